@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# How every folder becomes a target, so that flags and install rules are said once.
+
+add_library(terrace_options INTERFACE)
+add_library(terrace::options ALIAS terrace_options)
+# No fused multiply-add behind our back: the same input must give the same bits on every processor.
+target_compile_options(terrace_options INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wnon-virtual-dtor
+                                                 $<$<BOOL:${TERRACE_WERROR}>:-Werror>
+                                                 $<$<BOOL:${TERRACE_NATIVE}>:-march=native>)
+if(TERRACE_SANITIZE)
+  # -O1 keeps the sanitized tests within minutes.
+  target_compile_options(terrace_options INTERFACE -fsanitize=${TERRACE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(terrace_options INTERFACE -fsanitize=${TERRACE_SANITIZE})
+endif()
+
+# terrace_library(NAME SOURCES... [PUBLIC targets...] [PRIVATE targets...])
+# One folder, one target: terrace_NAME, used as terrace::NAME. Headers are included from the top: "core/time.h".
+function(terrace_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(terrace_${name} STATIC ${ARG_SOURCES})
+  add_library(terrace::${name} ALIAS terrace_${name})
+  set_target_properties(terrace_${name} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(terrace_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/terrace>)
+  target_compile_features(terrace_${name} PUBLIC cxx_std_20)
+  target_link_libraries(terrace_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:terrace::options> ${ARG_PRIVATE})
+endfunction()
+
+# terrace_test(FOLDER SOURCES... [LINK targets...] [TIMEOUT seconds] [LABELS labels...])
+# One test program a folder, terrace_FOLDER_test; every TEST in it becomes a ctest test of its own.
+function(terrace_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(terrace_${name}_test ${ARG_SOURCES})
+  target_link_libraries(terrace_${name}_test PRIVATE terrace::options ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(terrace_${name}_test DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${name};${ARG_LABELS}")
+endfunction()
+
+# terrace_bench(NAME SOURCES... [LINK targets...])
+function(terrace_bench name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(terrace_${name}_bench ${ARG_SOURCES})
+  target_link_libraries(terrace_${name}_bench PRIVATE terrace::options ${ARG_LINK} benchmark::benchmark benchmark::benchmark_main)
+endfunction()

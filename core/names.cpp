@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+
+#include "core/check.h"
+#include "core/pose_estimate.h"
+#include "core/terrain_map.h"
+
+namespace terrace {
+namespace {
+
+template <typename Enum, std::size_t N>
+const char* NameIn(const std::array<const char*, N>& names, Enum value) {
+  const auto index = static_cast<std::size_t>(value);
+  TERRACE_CHECK(index < N, index);
+  return names[index];
+}
+
+constexpr std::array<const char*, kNumTerrainLabels> kLabelNames = {
+    "unknown", "walkway", "ramp", "stair_tread", "stair_riser", "wall", "obstacle", "level"};
+
+}  // namespace
+
+const char* Name(TrackingStatus status) {
+  return NameIn(std::array<const char*, 3>{"tracking", "bridging", "lost"}, status);
+}
+
+const char* Name(GravitySource source) {
+  return NameIn(std::array<const char*, 5>{"imu", "attitude", "mounting", "plane", "assumed"}, source);
+}
+
+const char* Name(TerrainLabel label) { return NameIn(kLabelNames, label); }
+
+std::optional<TerrainLabel> TerrainLabelFromName(const std::string& name) {
+  for (std::size_t i = 0; i < kLabelNames.size(); ++i) {
+    if (name == kLabelNames[i]) return static_cast<TerrainLabel>(i);
+  }
+  return std::nullopt;
+}
+
+}  // namespace terrace

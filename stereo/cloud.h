@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/camera.h"
+#include "core/time.h"
+#include "stereo/disparity_image.h"
+
+namespace terrace {
+
+/// One triangulated pixel.
+struct CloudPoint {
+  Eigen::Vector3f p_left;  ///< m
+  float sigma_depth_m;     ///< standard deviation of z; the error of x and y follows along the ray
+  float sigma_lateral_m;   ///< standard deviation across the ray: the footprint of the pixels it stands for
+};
+
+/// The points of one disparity image, in rows from top to bottom, in the left frame.
+struct Cloud {
+  FrameId frame_id = 0;
+  Timestamp t_capture;
+  std::vector<CloudPoint> points;
+};
+
+/// Settings of the triangulation. YAML section: `cloud`.
+struct CloudConfig {
+  /// Points whose depth is less certain than this are left out.
+  double max_depth_sigma_m = 0.05;
+  /// Where pixels are denser on a surface than this, only every second, third, ... one is taken.
+  double min_spacing_m = 0.005;
+
+  /// One sentence per problem; empty when the settings can be used.
+  std::vector<std::string> Problems() const;
+};
+
+/// Points of a disparity image, each with its uncertainty.
+/// @param mask  CV_8UC1 of the image's size, 0 where the robot sees itself; empty: no mask.
+Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, const CloudConfig& config,
+                  const cv::Mat1b& mask = {});
+
+}  // namespace terrace
