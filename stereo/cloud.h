@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,8 +30,9 @@ struct Cloud {
 struct CloudConfig {
   /// Points whose depth is less certain than this are left out.
   double max_depth_sigma_m = 0.05;
-  /// Where pixels are denser on a surface than this, only every second, third, ... one is taken.
-  double min_spacing_m = 0.005;
+  /// Where pixels lie denser across the view than this, only every second, fourth, ... row and column is
+  /// taken.
+  double min_spacing_m = 0.01;
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;

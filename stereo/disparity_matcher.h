@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,12 +24,15 @@ struct DisparityConfig {
 /// Dense stereo. Same input, same output, for any number of threads.
 class DisparityMatcher {
  public:
+  /// Throws std::invalid_argument with every problem of the settings.
   explicit DisparityMatcher(const DisparityConfig& config);
+  ~DisparityMatcher();
 
-  DisparityImage Match(const StereoFrame& frame) const;
+  DisparityImage Match(const StereoFrame& frame);
 
  private:
-  DisparityConfig config_;
+  class Impl;  // holds the buffers, so that a frame allocates nothing but its result
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace terrace

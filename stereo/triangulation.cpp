@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.h"
+#include "stereo/cloud.h"
+
+namespace terrace {
+namespace {
+
+// A point stands for a square of pixels; this is the standard deviation of a uniform square of side one.
+const float kSigmaOfUnitSquare = 1.0f / std::sqrt(12.0f);
+constexpr int kMaxStep = 16;
+
+}  // namespace
+
+std::vector<std::string> CloudConfig::Problems() const {
+  std::vector<std::string> problems;
+  if (!(max_depth_sigma_m > 0.0)) problems.push_back("max_depth_sigma_m must be positive");
+  if (!(min_spacing_m >= 0.0)) problems.push_back("min_spacing_m must not be negative");
+  return problems;
+}
+
+Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, const CloudConfig& config,
+                  const cv::Mat1b& mask) {
+  const cv::Mat1f& disparities = disparity.disparity_px;
+  TERRACE_CHECK(disparities.cols == camera.width && disparities.rows == camera.height, disparities.cols,
+                disparities.rows, camera.width, camera.height);
+  TERRACE_CHECK(mask.empty() || mask.size() == disparities.size(), mask.cols, mask.rows);
+
+  const float fb = static_cast<float>(camera.fx * camera.baseline_m);
+  const float inv_fx = static_cast<float>(1.0 / camera.fx), inv_fy = static_cast<float>(1.0 / camera.fy);
+  const float cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  const float max_sigma_m = static_cast<float>(config.max_depth_sigma_m);
+  // Pixels lie z / fx = baseline / d apart: from this disparity times a power of two on, so many are skipped.
+  const float crowded_px = static_cast<float>(camera.baseline_m / std::max(config.min_spacing_m, 1e-9));
+
+  Cloud cloud{disparity.frame_id, disparity.t_capture, {}};
+  cloud.points.reserve(disparities.total() / 4);
+  for (int v = 0; v < disparities.rows; ++v) {
+    const float* d_row = disparities[v];
+    const float* sigma_row = disparity.sigma_px[v];
+    const std::uint8_t* mask_row = mask.empty() ? nullptr : mask[v];
+    const float y_over_z = (static_cast<float>(v) - cy) * inv_fy;
+    for (int u = 0; u < disparities.cols; ++u) {
+      const float d = d_row[u];
+      if (!(d > 0.0f) || (mask_row && mask_row[u] == 0)) continue;
+      int step = 1;
+      while (step < kMaxStep && d >= crowded_px * static_cast<float>(2 * step)) step *= 2;
+      if (((u | v) & (step - 1)) != 0) continue;
+      const float z = fb / d;
+      const float sigma_z = z / d * sigma_row[u];  // |dz/dd| = f b / d^2
+      if (!(sigma_z <= max_sigma_m)) continue;
+      cloud.points.push_back({{(static_cast<float>(u) - cx) * inv_fx * z, y_over_z * z, z},
+                              sigma_z,
+                              kSigmaOfUnitSquare * static_cast<float>(step) * z * inv_fx});
+    }
+  }
+  return cloud;
+}
+
+}  // namespace terrace
