@@ -51,6 +51,9 @@ class Sequence {
   virtual std::int64_t num_time_jumps() const = 0;
 };
 
+/// What `path` is, by a look at its folders or first bytes; none when it is no sequence.
+std::optional<SequenceKind> RecogniseSequence(const std::filesystem::path& path);
+
 /// Opens what `path` turns out to be: an EuRoC ASL folder, a KITTI odometry folder or an LCM log.
 /// Throws SequenceError.
 std::unique_ptr<Sequence> OpenSequence(const std::filesystem::path& path);

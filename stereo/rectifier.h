@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
@@ -11,8 +14,18 @@
 namespace terrace {
 
 /// Turns raw pairs into rectified ones. Tables are built once; an already rectified pair is passed through.
+/// Both rectified cameras have the same intrinsics; the view is the widest that both raw images fill, between
+/// 0.8 and 1.5 times the raw focal length. Bilinear in whole numbers: the same bits on every processor.
 class Rectifier {
  public:
+  /// Where one rectified pixel comes from: between the raw pixel at `offset` in the data, its right and its
+  /// lower neighbours. Offset -1: from outside the raw image.
+  struct Tap {
+    std::int32_t offset;
+    std::uint16_t du_256;  ///< 1/256 px
+    std::uint16_t dv_256;  ///< 1/256 px
+  };
+
   /// Throws std::invalid_argument with every problem when the calibration makes no sense.
   explicit Rectifier(const StereoCalibration& calibration);
 
@@ -28,8 +41,8 @@ class Rectifier {
   StereoCamera camera_;
   Eigen::Matrix3d R_rect_raw_ = Eigen::Matrix3d::Identity();
   bool pass_through_ = false;
-  cv::Mat left_map_xy_, left_map_fraction_;  // fixed-point tables of cv::remap
-  cv::Mat right_map_xy_, right_map_fraction_;
+  std::vector<Tap> left_taps_;
+  std::vector<Tap> right_taps_;
 };
 
 }  // namespace terrace

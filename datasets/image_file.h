@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/sensor_frame.h"
+
+namespace terrace {
+
+/// An image cannot be read or written; what() names the file and the reason in one sentence.
+class ImageError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// No image may be wider or higher; a header that says otherwise is refused before anything is allocated.
+inline constexpr int kMaxImageSidePx = 16384;
+
+/// 16-bit grey as stored (depth, labels, disparity), row-major without padding.
+struct Gray16Image {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint16_t> data;
+
+  bool empty() const { return data.empty(); }
+};
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+
+  friend bool operator==(const ImageSize&, const ImageSize&) = default;
+};
+
+/// Any PNG, JPEG or binary PNM (P5, P6) as 8-bit grey: colour by the luma weights of BT.601, 16 bits scaled
+/// to 8, alpha ignored. A truncated or damaged file is refused as a whole, never half read. Throws
+/// ImageError.
+GrayImage ReadGrayImage(const std::filesystem::path& path);
+
+/// The same from memory; `name` stands for the file in messages.
+GrayImage DecodeGrayImage(std::span<const std::uint8_t> bytes, const std::string& name);
+
+/// A grey PNG of 8 or 16 bits with its values unchanged. Throws ImageError, also for colour.
+Gray16Image ReadGray16Png(const std::filesystem::path& path);
+
+/// Size of a PNG, JPEG or PNM from its header alone. Throws ImageError.
+ImageSize ReadImageSize(const std::filesystem::path& path);
+
+/// @param compression  of zlib: 1 is fastest, 9 smallest. The same image gives the same bytes.
+std::vector<std::uint8_t> EncodePng(const GrayImage& image, int compression = 3);
+std::vector<std::uint8_t> EncodePng(const Gray16Image& image, int compression = 3);
+/// @param quality  1 to 100.
+std::vector<std::uint8_t> EncodeJpeg(const GrayImage& image, int quality);
+
+/// Throw ImageError when the file cannot be written.
+void WritePng(const std::filesystem::path& path, const GrayImage& image);
+void WritePng(const std::filesystem::path& path, const Gray16Image& image);
+
+}  // namespace terrace

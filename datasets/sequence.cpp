@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/sequence.h"
+
+#include <array>
+#include <fstream>
+
+#include "core/check.h"
+#include "datasets/euroc.h"
+#include "datasets/kitti.h"
+
+namespace terrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Every event of an LCM log begins with this word.
+bool BeginsLikeAnLcmLog(const fs::path& path) {
+  constexpr std::array<unsigned char, 4> kSyncWord = {0xed, 0xa1, 0xda, 0x01};
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 4> head{};
+  file.read(head.data(), head.size());
+  return file && std::equal(kSyncWord.begin(), kSyncWord.end(), head.begin(),
+                            [](unsigned char a, char b) { return a == static_cast<unsigned char>(b); });
+}
+
+}  // namespace
+
+const char* Name(SequenceKind kind) {
+  switch (kind) {
+    case SequenceKind::kEuroc:
+      return "EuRoC ASL folder";
+    case SequenceKind::kKitti:
+      return "KITTI odometry folder";
+    case SequenceKind::kLcmLog:
+      return "LCM log";
+  }
+  TERRACE_CHECK(false, static_cast<int>(kind));
+}
+
+std::optional<SequenceKind> RecogniseSequence(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path / "mav0", error)) return SequenceKind::kEuroc;
+  for (const char* folder : {"image_0", "image_1", "image_2", "image_3"}) {
+    if (fs::is_directory(path / folder, error)) return SequenceKind::kKitti;
+  }
+  if (fs::is_regular_file(path, error) && BeginsLikeAnLcmLog(path)) return SequenceKind::kLcmLog;
+  return std::nullopt;
+}
+
+std::unique_ptr<Sequence> OpenSequence(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) throw SequenceError(path.string() + ": no such file or folder");
+  const std::optional<SequenceKind> kind = RecogniseSequence(path);
+  if (!kind) {
+    throw SequenceError(
+        path.string() +
+        ": not a sequence; must be an EuRoC ASL folder (holds mav0/), a KITTI odometry folder (holds "
+        "image_0/ and image_1/, or image_2/ and image_3/) or an LCM log");
+  }
+  switch (*kind) {
+    case SequenceKind::kEuroc:
+      return OpenEurocSequence(path);
+    case SequenceKind::kKitti:
+      return OpenKittiSequence(path);
+    case SequenceKind::kLcmLog:
+      throw SequenceError(path.string() + ": LCM logs cannot be read by this program");
+  }
+  TERRACE_CHECK(false, static_cast<int>(*kind));
+}
+
+}  // namespace terrace

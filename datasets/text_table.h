@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/time.h"
+
+namespace terrace {
+
+/// The whole cell as a number; none when it is anything else, infinite or not a number.
+std::optional<double> ParseDouble(std::string_view cell);
+std::optional<std::int64_t> ParseInt64(std::string_view cell);
+
+/// The first `count` cells from `first` on as numbers; none when one is missing or not a number.
+std::optional<std::vector<double>> ParseDoubles(std::span<const std::string_view> cells, std::size_t first,
+                                                std::size_t count);
+
+/// Reads a table of text line by line in bounded memory, whatever the file holds.
+class TableReader {
+ public:
+  /// @param separator  ',' or ' ' (any run of blanks).
+  TableReader(const std::filesystem::path& path, char separator);
+  ~TableReader();
+  TableReader(const TableReader&) = delete;
+  TableReader& operator=(const TableReader&) = delete;
+
+  /// Goes to the next line that is neither empty nor a comment (#); false at the end.
+  bool Next();
+  /// Trimmed cells of the line, at most 64; none for a line longer than any row of numbers.
+  std::span<const std::string_view> cells() const { return cells_; }
+  std::int64_t line_number() const { return line_number_; }
+  /// Why the file could not be opened; empty: it could.
+  const std::string& problem() const { return problem_; }
+
+ private:
+  struct Input;
+  std::unique_ptr<Input> input_;
+  char separator_;
+  std::vector<std::string_view> cells_;
+  std::int64_t line_number_ = 0;
+  std::string problem_;
+};
+
+template <typename Row>
+struct Table {
+  std::vector<Row> rows;
+  /// Lines that broke the rule and were left out; empty: none. Names file, rule and first line.
+  std::string bad_lines;
+  /// Why there are no rows: the file and the rule; empty when there are.
+  std::string problem;
+};
+
+/// Reads all rows of a table. A first line that is no row is taken for a heading.
+/// @param rule  what a row must be, for messages: "a time stamp [ns] and a file name".
+/// @param parse  cells -> std::optional<Row>.
+template <typename Row, typename Parse>
+Table<Row> ReadTable(const std::filesystem::path& path, char separator, const std::string& rule,
+                     Parse parse) {
+  // Half a day of a 200 Hz sensor; more is not a recording but an attack on the memory.
+  constexpr std::size_t kMaxRows = 10'000'000;
+  Table<Row> table;
+  TableReader reader(path, separator);
+  if (!reader.problem().empty()) {
+    table.problem = reader.problem();
+    return table;
+  }
+  std::int64_t num_lines = 0;
+  std::int64_t num_bad = 0;
+  std::int64_t first_bad = 0;
+  while (reader.Next()) {
+    if (table.rows.size() == kMaxRows) {
+      table.bad_lines = path.string() + ": only the first " + std::to_string(kMaxRows) + " rows are used";
+      return table;
+    }
+    std::optional<Row> row = parse(reader.cells());
+    if (row) {
+      table.rows.push_back(std::move(*row));
+    } else if (num_lines > 0) {
+      if (num_bad++ == 0) first_bad = reader.line_number();
+    }
+    ++num_lines;
+  }
+  if (table.rows.empty()) {
+    table.problem = path.string() + ": no line holds " + rule;
+  } else if (num_bad > 0) {
+    table.bad_lines = path.string() + ": " + std::to_string(num_bad) + (num_bad == 1 ? " line" : " lines") +
+                      " left out, the first is line " + std::to_string(first_bad) + ": a line must hold " +
+                      rule;
+  }
+  return table;
+}
+
+/// Leaves out as few rows as possible so that their times rise strictly; returns how many.
+/// One wild time stamp costs one row, not all that follow it.
+template <typename Row, typename TimeOf>
+std::int64_t KeepRising(std::vector<Row>* rows, TimeOf time_of) {
+  // Longest strictly rising subsequence by patience sorting: tails[k] is the row with the earliest time that
+  // ends a rising chain of k + 1 rows.
+  std::vector<std::size_t> tails;
+  std::vector<std::size_t> before(rows->size());
+  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  for (std::size_t i = 0; i < rows->size(); ++i) {
+    const Timestamp t = time_of((*rows)[i]);
+    const auto place = std::lower_bound(tails.begin(), tails.end(), t, [&](std::size_t j, Timestamp time) {
+      return time_of((*rows)[j]) < time;
+    });
+    before[i] = place == tails.begin() ? kNone : *(place - 1);
+    if (place == tails.end()) {
+      tails.push_back(i);
+    } else {
+      *place = i;
+    }
+  }
+  const std::int64_t num_left_out = static_cast<std::int64_t>(rows->size() - tails.size());
+  if (num_left_out == 0) return 0;
+  std::vector<std::size_t> chain;
+  for (std::size_t i = tails.back(); i != kNone; i = before[i]) chain.push_back(i);
+  std::vector<Row> kept;
+  kept.reserve(chain.size());
+  for (auto i = chain.rbegin(); i != chain.rend(); ++i) kept.push_back(std::move((*rows)[*i]));
+  *rows = std::move(kept);
+  return num_left_out;
+}
+
+}  // namespace terrace

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <stdexcept>
+
+namespace CLI {
+class App;
+}
+
+namespace terrace {
+
+/// The program was called wrongly in a way that only the subcommand can see: exit code 2. Everything else
+/// that a subcommand throws is exit code 1. what() is printed after the program's name.
+class UsageError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// One subcommand a file, tools/<name>.cpp. Each adds itself with its options and a callback that does the
+// work.
+void AddInfoCommand(CLI::App& app);
+
+}  // namespace terrace

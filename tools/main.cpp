@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/commands.h"
+
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kWrongUse = 2;
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("The toolbox of Terrace, the stereo terrain mapper.", "terrace");
+  app.set_version_flag("--version", "terrace " TERRACE_VERSION);
+  app.require_subcommand(1);
+  terrace::AddInfoCommand(app);
+
+  try {
+    app.parse(argc, argv);  // runs the subcommand's callback
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kWrongUse;  // --help and --version come this way too
+  } catch (const terrace::UsageError& error) {
+    std::fprintf(stderr, "terrace: %s\n", error.what());
+    return kWrongUse;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "terrace: %s\n", error.what());
+    return kFailed;
+  }
+  return kDone;
+}
