@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -23,7 +24,12 @@ enum class WhenFull {
 template <typename T>
 class BoundedQueue {
  public:
-  BoundedQueue(std::size_t capacity, WhenFull when_full) : capacity_(capacity), when_full_(when_full) {
+  /// Called with an item that is dropped and the one that will be taken in its place, to save what must not
+  /// be lost.
+  using OnDrop = std::function<void(T dropped, T* next)>;
+
+  BoundedQueue(std::size_t capacity, WhenFull when_full, OnDrop on_drop = nullptr)
+      : capacity_(capacity), when_full_(when_full), on_drop_(std::move(on_drop)) {
     TERRACE_CHECK(capacity > 0);
   }
 
@@ -33,8 +39,10 @@ class BoundedQueue {
     if (when_full_ == WhenFull::kWait) {
       not_full_.wait(lock, [&] { return closed_ || items_.size() < capacity_; });
     } else if (items_.size() >= capacity_ && !closed_) {
+      T dropped = std::move(items_.front());
       items_.pop_front();
       ++num_dropped_;
+      if (on_drop_) on_drop_(std::move(dropped), items_.empty() ? &item : &items_.front());
     }
     if (closed_) return false;
     items_.push_back(std::move(item));
@@ -73,6 +81,7 @@ class BoundedQueue {
  private:
   const std::size_t capacity_;
   const WhenFull when_full_;
+  const OnDrop on_drop_;
   mutable std::mutex mutex_;
   std::condition_variable not_empty_;
   std::condition_variable not_full_;

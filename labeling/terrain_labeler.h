@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,7 +49,7 @@ class TerrainLabeler {
  public:
   /// @param T_body_left  where the camera sits on the body; none: the body is taken to be at the camera
   TerrainLabeler(const LabelingConfig& config, const RobotConfig& robot,
-                 const std::optional<Eigen::Isometry3d>& T_body_left);
+                 const std::optional<Eigen::Isometry3d>& T_body_left, std::int64_t map_id = 1);
   ~TerrainLabeler();
 
   /// @param pose  where the camera is now: what is reachable is reachable from there

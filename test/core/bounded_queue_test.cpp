@@ -18,6 +18,18 @@ TEST(BoundedQueueTest, DropsTheOldestItemWhenFull) {
   EXPECT_EQ(queue.Pop(), 4);
 }
 
+TEST(BoundedQueueTest, HandsADroppedItemToTheOneThatIsTakenInItsPlace) {
+  for (const std::size_t capacity : {1u, 2u}) {
+    BoundedQueue<int> queue(capacity, WhenFull::kDropOldest,
+                            [](int dropped, int* next) { *next += dropped; });
+    for (const int i : {1, 10, 100}) queue.Push(i);
+    queue.Close();
+    int sum = 0;
+    while (const auto item = queue.Pop()) sum += *item;
+    EXPECT_EQ(sum, 111) << "capacity " << capacity;
+  }
+}
+
 TEST(BoundedQueueTest, LosesNothingWhenTheProducerWaits) {
   BoundedQueue<int> queue(1, WhenFull::kWait);
   std::thread producer([&] {

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <map>
+
+#include <yaml-cpp/yaml.h>
+
+namespace terrace {
+namespace {
+
+const std::map<std::string, std::string>& Comments() {
+  static const std::map<std::string, std::string> comments = {
+#include "config_comments.inc"
+  };
+  return comments;
+}
+
+const char* TypeName(bool) { return "true or false"; }
+const char* TypeName(int) { return "a whole number"; }
+const char* TypeName(double) { return "a number"; }
+const char* TypeName(const std::string&) { return "text"; }
+
+std::string Print(bool value) { return value ? "true" : "false"; }
+std::string Print(int value) { return std::to_string(value); }
+std::string Print(double value) {
+  // The shortest text that reads back as the same number.
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+std::string Print(const std::string& value) {
+  std::string quoted = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+/// One key of the file, bound to its field.
+struct Key {
+  std::string section;
+  std::string name;
+  std::string comment;
+  std::function<std::string()> print;
+  /// Takes the value; false: it has the wrong type, named by `type`.
+  std::function<bool(const YAML::Node&)> set;
+  const char* type;
+};
+
+/// All keys, and what each section's settings say about themselves.
+class Binding {
+ public:
+  explicit Binding(Config* config) {
+    PipelineConfig& p = config->pipeline;
+#define TERRACE_KEY(field) Bind(#field, &settings.field)
+    {
+      FlowConfig& settings = Begin("pipeline", "FlowConfig", &p.flow);
+      TERRACE_KEY(feedback_lag_frames);
+    }
+    {
+      DisparityConfig& settings = Begin("stereo", "DisparityConfig", &p.stereo);
+      TERRACE_KEY(max_disparity_px);
+      TERRACE_KEY(max_left_right_error_px);
+    }
+    {
+      OdometryConfig& settings = Begin("odometry", "OdometryConfig", &p.odometry);
+      TERRACE_KEY(use_imu);
+      TERRACE_KEY(use_priors);
+    }
+    {
+      // One section for both: a user limits the range of the map, wherever that happens.
+      CloudConfig& settings = Begin("mapping", "CloudConfig", &p.cloud);
+      TERRACE_KEY(max_depth_sigma_m);
+      TERRACE_KEY(min_spacing_m);
+    }
+    {
+      MappingConfig& settings = Begin("mapping", "MappingConfig", &p.mapping);
+      TERRACE_KEY(leaf_size_m);
+      TERRACE_KEY(leaves_per_cell);
+    }
+    {
+      ModellingConfig& settings = Begin("modelling", "ModellingConfig", &p.modelling);
+      TERRACE_KEY(inlier_distance_m);
+    }
+    {
+      MergingConfig& settings = Begin("merging", "MergingConfig", &p.merging);
+      TERRACE_KEY(max_offset_m);
+      TERRACE_KEY(max_angle_deg);
+      TERRACE_KEY(min_area_m2);
+    }
+    {
+      LabelingConfig& settings = Begin("labeling", "LabelingConfig", &p.labeling);
+      TERRACE_KEY(min_walkway_edge_m);
+      TERRACE_KEY(min_wall_height_m);
+    }
+    {
+      RobotConfig& settings = Begin("robot", "RobotConfig", &p.robot);
+      TERRACE_KEY(body_height_m);
+      TERRACE_KEY(max_step_height_m);
+      TERRACE_KEY(max_step_reach_m);
+      TERRACE_KEY(foot_radius_m);
+      TERRACE_KEY(max_walkway_slope_deg);
+      TERRACE_KEY(max_ramp_slope_deg);
+      TERRACE_KEY(self_mask_png);
+    }
+    {
+      LiveConfig& settings = Begin("lcm", "LiveConfig", &config->live);
+      TERRACE_KEY(url);
+    }
+#undef TERRACE_KEY
+  }
+
+  const std::vector<Key>& keys() const { return keys_; }
+
+  const Key* Find(const std::string& section, const std::string& name) const {
+    for (const Key& key : keys_) {
+      if (key.section == section && key.name == name) return &key;
+    }
+    return nullptr;
+  }
+
+  bool HasSection(const std::string& section) const {
+    for (const Key& key : keys_) {
+      if (key.section == section) return true;
+    }
+    return false;
+  }
+
+  /// What the settings themselves find wrong, by section: sentences that start with the key.
+  std::vector<std::pair<std::string, std::string>> Problems() const {
+    std::vector<std::pair<std::string, std::string>> all;
+    for (const auto& [section, problems] : checks_) {
+      for (const std::string& problem : problems()) all.emplace_back(section, problem);
+    }
+    return all;
+  }
+
+ private:
+  template <typename Settings>
+  Settings& Begin(const std::string& section, const std::string& struct_name, Settings* settings) {
+    section_ = section;
+    struct_name_ = struct_name;
+    checks_.emplace_back(section, [settings] { return settings->Problems(); });
+    return *settings;
+  }
+
+  template <typename T>
+  void Bind(const std::string& name, T* field) {
+    const auto comment = Comments().find(struct_name_ + "::" + name);
+    keys_.push_back({section_, name, comment == Comments().end() ? "" : comment->second,
+                     [field] { return Print(*field); },
+                     [field](const YAML::Node& node) {
+                       if (!node.IsScalar()) return false;
+                       T value{};
+                       if (!YAML::convert<T>::decode(node, value)) return false;
+                       // A number that is not one can only come from a mistake.
+                       if constexpr (std::is_same_v<T, double>) {
+                         if (!std::isfinite(value)) return false;
+                       }
+                       *field = value;
+                       return true;
+                     },
+                     TypeName(*field)});
+  }
+
+  std::string section_;
+  std::string struct_name_;
+  std::vector<Key> keys_;
+  std::vector<std::pair<std::string, std::function<std::vector<std::string>()>>> checks_;
+};
+
+/// Collects problems, and remembers where each key was last set.
+class Loader {
+ public:
+  explicit Loader(Config* config) : binding_(config) {}
+
+  void ReadFile(const std::filesystem::path& file) {
+    YAML::Node root;
+    try {
+      root = YAML::LoadFile(file.string());
+    } catch (const YAML::BadFile&) {
+      problems_.push_back(file.string() + ": cannot be read");
+      return;
+    } catch (const YAML::Exception& error) {
+      problems_.push_back(file.string() + ":" + std::to_string(error.mark.line + 1) +
+                          ": is not YAML: " + error.msg);
+      return;
+    }
+    if (root.IsNull()) return;
+    if (!root.IsMap()) {
+      problems_.push_back(file.string() + ": must hold sections, each with its keys");
+      return;
+    }
+    for (const auto& section : root) {
+      const auto name = section.first.as<std::string>("");
+      const std::string where = Where(file, section.first);
+      if (!binding_.HasSection(name)) {
+        problems_.push_back(where + ": there is no section '" + name + "'");
+      } else if (section.second.IsMap()) {
+        for (const auto& entry : section.second) {
+          Set(name, entry.first.as<std::string>(""), entry.second, Where(file, entry.first));
+        }
+      } else if (!section.second.IsNull()) {
+        problems_.push_back(where + ": section '" + name + "' must hold keys");
+      }
+    }
+  }
+
+  void ReadSetting(const std::string& setting) {
+    const std::string where = "--set " + setting;
+    const std::size_t equals = setting.find('=');
+    const std::size_t dot = setting.find('.');
+    if (equals == std::string::npos || dot == std::string::npos || dot > equals) {
+      problems_.push_back(where + ": must read section.key=value");
+      return;
+    }
+    YAML::Node value;
+    try {
+      value = YAML::Load(setting.substr(equals + 1));
+    } catch (const YAML::Exception& error) {
+      problems_.push_back(where + ": the value is not YAML: " + error.msg);
+      return;
+    }
+    // An empty value sets a text to nothing.
+    if (value.IsNull()) value = std::string();
+    Set(setting.substr(0, dot), setting.substr(dot + 1, equals - dot - 1), value, where);
+  }
+
+  void Finish() {
+    for (const auto& [section, problem] : binding_.Problems()) {
+      const std::string key = section + "." + problem.substr(0, problem.find(' '));
+      const auto origin = origins_.find(key);
+      problems_.push_back((origin == origins_.end() ? "default" : origin->second) + ": " + section + "." +
+                          problem);
+    }
+    if (problems_.empty()) return;
+    std::string text;
+    for (const std::string& problem : problems_) text += (text.empty() ? "" : "\n") + problem;
+    throw ConfigError(text);
+  }
+
+ private:
+  static std::string Where(const std::filesystem::path& file, const YAML::Node& node) {
+    return file.string() + ":" + std::to_string(node.Mark().line + 1);
+  }
+
+  void Set(const std::string& section, const std::string& name, const YAML::Node& value,
+           const std::string& where) {
+    const std::string full = section + "." + name;
+    const Key* key = binding_.Find(section, name);
+    if (key == nullptr) {
+      problems_.push_back(where + ": there is no key '" + full + "'");
+    } else if (!key->set(value)) {
+      const std::string text = value.IsScalar() ? value.Scalar() : "a list or a map";
+      problems_.push_back(where + ": " + full + " = " + text + " must be " + key->type);
+    } else {
+      origins_[full] = where;
+    }
+  }
+
+  Binding binding_;
+  std::vector<std::string> problems_;
+  std::map<std::string, std::string> origins_;
+};
+
+}  // namespace
+
+Config LoadConfig(const std::optional<std::filesystem::path>& file,
+                  const std::vector<std::string>& settings) {
+  Config config;
+  Loader loader(&config);
+  if (file) loader.ReadFile(*file);
+  for (const std::string& setting : settings) loader.ReadSetting(setting);
+  loader.Finish();
+  return config;
+}
+
+std::string PrintConfig(const Config& config) {
+  Config copy = config;
+  const Binding binding(&copy);
+  std::string text =
+      "# Every key of the configuration with its default. A file may hold any part of it; an unknown key is "
+      "an error.\n";
+  std::string section;
+  for (const Key& key : binding.keys()) {
+    if (key.section != section) {
+      section = key.section;
+      text += "\n" + section + ":\n";
+    }
+    std::size_t begin = 0;
+    while (begin < key.comment.size()) {
+      const std::size_t end = std::min(key.comment.find('\n', begin), key.comment.size());
+      text += "  # " + key.comment.substr(begin, end - begin) + "\n";
+      begin = end + 1;
+    }
+    text += "  " + key.name + ": " + key.print() + "\n";
+  }
+  return text;
+}
+
+std::string ConfigHash(const Config& config) {
+  // FNV-1a: a name for equal settings, not a protection.
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : PrintConfig(config)) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  }
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return text.data();
+}
+
+std::vector<std::string> UndocumentedKeys() {
+  Config config;
+  const Binding binding(&config);
+  std::vector<std::string> keys;
+  for (const Key& key : binding.keys()) {
+    if (key.comment.empty()) keys.push_back(key.section + "." + key.name);
+  }
+  return keys;
+}
+
+}  // namespace terrace

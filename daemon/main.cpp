@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// terraced: the stereo terrain mapper. Live by default, `terraced replay` for recorded sequences.
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/config.h"
+#include "daemon/interrupt.h"
+#include "daemon/replay.h"
+#include "daemon/result_writer.h"
+#include "daemon/version.h"
+#include "datasets/sequence.h"
+
+namespace terrace {
+namespace {
+
+// What the shell sees (DESIGN.md, "Command line").
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kWrongUse = 2;
+
+struct Arguments {
+  std::optional<std::string> config_file;
+  std::vector<std::string> settings;
+  bool print_config = false;
+  ReplayOptions replay;
+};
+
+void AddCommonOptions(CLI::App* app, Arguments* arguments) {
+  app->add_option("--config", arguments->config_file, "YAML file that overrides any part of the defaults");
+  app->add_option("--set", arguments->settings, "Overrides one key: section.key=value (may be repeated)")
+      ->allow_extra_args(false);
+}
+
+int Run(int argc, char** argv) {
+  CLI::App app("terraced turns a legged robot's stereo camera into a labelled map of planar terrain.\n"
+               "Without a subcommand it runs live: LCM in, LCM out.");
+  app.set_version_flag("--version", std::string("terraced ") + kVersion);
+  Arguments arguments;
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  arguments.replay.num_threads = cores;
+
+  AddCommonOptions(&app, &arguments);
+  app.add_flag("--print-config", arguments.print_config, "Prints the complete configuration file and ends");
+  CLI::App* replay = app.add_subcommand("replay", "Plays a recorded sequence and writes the result files");
+  AddCommonOptions(replay, &arguments);
+  replay->add_option("SEQUENCE", arguments.replay.sequence, "EuRoC ASL folder, KITTI odometry folder or LCM log")
+      ->required();
+  replay->add_option("--output", arguments.replay.output, "Folder for the result files")->required();
+  replay->add_flag("--overwrite", arguments.replay.overwrite, "Replace the results of an earlier run in that folder");
+  replay->add_option("--threads", arguments.replay.num_threads, "Threads that may be used; the map is the same")
+      ->check(CLI::Range(1, 256));
+  replay->add_flag("--realtime", arguments.replay.realtime,
+                   "Hand frames over at their recorded times; the newest wins, as live");
+  replay->add_option("--publish", arguments.replay.publish_url, "LCM provider URL to publish pose, terrain, status on");
+  replay->add_option("--save-disparity", arguments.replay.save_disparity_every,
+                     "Write the disparity of frames 0, N, 2N, ...")
+      ->check(CLI::Range(1, 1'000'000));
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kWrongUse;
+  }
+
+  CatchInterrupts();
+  try {
+    const Config config = LoadConfig(arguments.config_file, arguments.settings);
+    if (arguments.print_config) {
+      std::fputs(PrintConfig(config).c_str(), stdout);
+    } else if (replay->parsed()) {
+      RunReplay(arguments.replay, config);
+    } else {
+      std::fputs("terraced: name a subcommand; --help lists them\n", stderr);
+      return kWrongUse;
+    }
+  } catch (const ConfigError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return kWrongUse;
+  } catch (const OutputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return kWrongUse;
+  } catch (const SequenceError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return kFailed;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return kFailed;
+  }
+  return kDone;
+}
+
+}  // namespace
+}  // namespace terrace
+
+int main(int argc, char** argv) {
+  // Standard output belongs to what was asked for; everything about the run goes to standard error.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("terraced"));
+  return terrace::Run(argc, argv);
+}

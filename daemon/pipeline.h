@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/camera.h"
+#include "core/pose_estimate.h"
+#include "core/sensor_frame.h"
+#include "core/terrain_map.h"
+#include "daemon/feedback.h"
+#include "daemon/pipeline_config.h"
+#include "daemon/stage_meter.h"
+#include "labeling/terrain_labeler.h"
+#include "mapping/terrain_octree.h"
+#include "odometry/visual_odometry.h"
+#include "polygonization/cell_modeller.h"
+#include "polygonization/polygon_merger.h"
+#include "stereo/disparity_matcher.h"
+#include "stereo/rectifier.h"
+
+namespace terrace {
+
+/// A pose with the direction of gravity as it was known at that frame.
+struct TrackedPose {
+  PoseEstimate pose;
+  Gravity gravity;
+};
+
+/// What one frame led to.
+struct FrameResult {
+  PoseEstimate pose;                  ///< always, also when lost
+  TerrainMapPtr map;                  ///< shared and never edited; never null
+  std::vector<std::int64_t> changed;  ///< ids of regions that are new or have a new revision, ascending
+  std::vector<std::int64_t> removed;  ///< ids of regions that are gone, ascending
+  std::int64_t map_cells = 0;         ///< occupied leaves
+  std::int64_t map_bytes = 0;         ///< heap of octree and regions
+  std::shared_ptr<const DisparityImage> disparity;  ///< null when the images could not be used
+};
+
+/// The stages of the mapper, bound to one camera. Process() is the way of a frame; ThreadedPipeline binds the
+/// four public steps to threads instead, with the same result.
+class Pipeline {
+ public:
+  /// @param self_mask  CV_8UC1 of the rectified left image's size, 0 where the robot sees itself; empty: none
+  Pipeline(const PipelineConfig& config, const StereoCalibration& calibration, const cv::Mat1b& self_mask);
+
+  FrameResult Process(const SensorFrame& sensors);
+
+  /// The rectified pair; null when the images cannot be used.
+  StereoFramePtr Rectify(const SensorFrame& sensors);
+  /// Null when there is no frame.
+  std::shared_ptr<const DisparityImage> Match(const StereoFramePtr& frame);
+  TrackedPose Track(const SensorFrame& sensors, const StereoFramePtr& frame);
+  FrameResult Map(const std::shared_ptr<const DisparityImage>& disparity, const TrackedPose& tracked);
+
+  /// Starts the map anew with the next frame; the odometry and the world frame go on. From any thread.
+  void RequestMapReset() { reset_requested_ = true; }
+
+  const StereoCamera& camera() const { return rectifier_.camera(); }
+  const Eigen::Matrix3d& R_rect_raw() const { return rectifier_.R_rect_raw(); }
+  const std::optional<Eigen::Isometry3d>& T_body_left() const { return mounting_.T_body_left; }
+  const Gravity& gravity() const { return odometry_.gravity(); }
+  StageMeters& meters() { return meters_; }
+  FeedbackExchange& feedback() { return feedback_; }
+
+ private:
+  void StartMap(std::int64_t map_id);
+
+  PipelineConfig config_;
+  Rectifier rectifier_;
+  Mounting mounting_;
+  cv::Mat1b self_mask_;
+  DisparityMatcher matcher_;
+  VisualOdometry odometry_;
+  std::unique_ptr<TerrainOctree> octree_;
+  CellModeller modeller_;
+  std::unique_ptr<PolygonMerger> merger_;
+  std::unique_ptr<TerrainLabeler> labeler_;
+  FeedbackExchange feedback_;
+  StageMeters meters_;
+  std::atomic<bool> reset_requested_{false};
+};
+
+}  // namespace terrace
