@@ -9,6 +9,7 @@
 
 #include "datasets/file_bytes.h"
 #include "datasets/folder_sequence.h"
+#include "datasets/ground_truth.h"
 #include "datasets/text_table.h"
 
 namespace terrace {
@@ -25,13 +26,13 @@ class SensorFile {
  public:
   SensorFile(const fs::path& path, Problems* problems) : path_(path.string()), problems_(problems) {
     constexpr std::uint64_t kMaxBytes = 1 << 20;
-    std::string problem;
-    const std::vector<std::uint8_t> bytes = ReadFileBytes(path, kMaxBytes, &problem);
-    if (!problem.empty()) {
-      problems_->push_back(problem);
+    std::string text;
+    try {
+      text = ReadTextFile(path, kMaxBytes);
+    } catch (const FileError& error) {
+      problems_->push_back(error.what());
       return;
     }
-    std::string text(bytes.begin(), bytes.end());
     // OpenCV's heading is no valid YAML directive.
     if (text.rfind("%YAML:", 0) == 0) text.erase(0, text.find('\n'));
     try {
@@ -344,8 +345,7 @@ std::unique_ptr<Sequence> OpenEurocSequence(const fs::path& path) {
     ThrowIfAny({mav.string() + ": no two time stamps of cam0/data.csv and cam1/data.csv lie within 0.5 ms"});
   }
   SensorSamples samples = ReadSamples(mav, &info);
-  info.has_true_poses = fs::exists(mav / "state_groundtruth_estimate0" / "data.csv") ||
-                        fs::exists(path / "groundtruth_tum.txt");
+  info.has_true_poses = HasTrueTrajectory(path);
   return std::make_unique<FolderSequence>(std::move(info), std::move(frames), std::move(samples),
                                           num_time_jumps);
 }

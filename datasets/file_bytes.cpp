@@ -4,33 +4,44 @@
 #include <fstream>
 
 namespace terrace {
+namespace {
 
-std::vector<std::uint8_t> ReadFileBytes(const std::filesystem::path& path, std::uint64_t max_bytes,
-                                        std::string* problem) {
-  problem->clear();
+[[noreturn]] void Fail(const std::filesystem::path& path, const std::string& why) {
+  throw FileError(path.string() + ": " + why);
+}
+
+template <typename Bytes>
+Bytes ReadAll(const std::filesystem::path& path, std::uintmax_t max_bytes) {
   std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
-    *problem = path.string() + ": no such file";
-    return {};
-  }
-  if (!std::filesystem::is_regular_file(status)) {
-    *problem = path.string() + ": not a file";
-    return {};
-  }
-  const std::uint64_t size = std::filesystem::file_size(path, error);
-  if (error || size > max_bytes) {
-    *problem = path.string() + ": " +
-               (error ? error.message() : "larger than " + std::to_string(max_bytes) + " bytes");
-    return {};
-  }
-  std::vector<std::uint8_t> bytes(size);
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) Fail(path, "no such file");
+  if (error) Fail(path, "cannot be read: " + error.message());
+  if (!std::filesystem::is_regular_file(status)) Fail(path, "not a file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) Fail(path, "cannot be read: " + error.message());
+  if (size > max_bytes) Fail(path, "larger than the " + std::to_string(max_bytes) + " bytes it may have");
+  Bytes bytes(size, {});
   std::ifstream in(path, std::ios::binary);
-  if (!in || !in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) {
-    *problem = path.string() + ": cannot be read";
-    return {};
-  }
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (!in) Fail(path, "cannot be read");
   return bytes;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> ReadFileBytes(const std::filesystem::path& path, std::uintmax_t max_bytes) {
+  return ReadAll<std::vector<std::uint8_t>>(path, max_bytes);
+}
+
+std::string ReadTextFile(const std::filesystem::path& path, std::uintmax_t max_bytes) {
+  return ReadAll<std::string>(path, max_bytes);
+}
+
+void WriteFileBytes(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out) Fail(path, "cannot be written");
 }
 
 }  // namespace terrace

@@ -54,7 +54,7 @@ void FolderSequence::CheckImageSizes() const {
         problem = size == ImageSize{info_.calibration.width, info_.calibration.height}
                       ? ""
                       : WrongSize(path, size, info_.calibration);
-      } catch (const ImageError& error) {
+      } catch (const FileError& error) {
         problem = error.what();
       }
       if (problem.empty()) break;
@@ -85,7 +85,7 @@ StereoPair FolderSequence::LoadPair(const FolderFrame& frame) const {
   for (const auto& [path, image] : sides) {
     try {
       *image = ReadGrayImage(*path);
-    } catch (const ImageError& error) {
+    } catch (const FileError& error) {
       pair.problem = error.what();
       break;
     }

@@ -30,6 +30,13 @@ struct TrueTrajectory {
   std::vector<TimedPose> poses;  ///< ascending in time
 };
 
+/// True when the sequence comes with true poses.
+bool HasTrueTrajectory(const std::filesystem::path& sequence);
+
+/// The true poses of a sequence: the body states of an EuRoC folder, else its `groundtruth_tum.txt` (raw left
+/// camera), or the `poses.txt` of a KITTI folder (rectified left camera). Throws FileError.
+TrueTrajectory LoadTrueTrajectory(const std::filesystem::path& sequence);
+
 /// Cells of a true polygon that some frame saw within 5 m; none (nx = 0) when no frame did.
 /// Cell (i, j) has its centre at Centre(i, j) in the plane of the polygon; edge cells may have it outside the
 /// rings.

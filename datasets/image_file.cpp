@@ -6,14 +6,12 @@
 #include <bit>
 #include <csetjmp>
 #include <cstring>
-#include <fstream>
 #include <memory>
 
 #include <png.h>
 #include <turbojpeg.h>
 
 #include "core/check.h"
-#include "datasets/file_bytes.h"
 
 namespace terrace {
 namespace {
@@ -31,7 +29,7 @@ Format FormatOf(std::span<const std::uint8_t> bytes) {
 }
 
 [[noreturn]] void Refuse(const std::string& name, const std::string& why) {
-  throw ImageError(name + ": " + why);
+  throw FileError(name + ": " + why);
 }
 
 void CheckSize(std::int64_t width, std::int64_t height, const std::string& name) {
@@ -308,22 +306,6 @@ std::vector<std::uint8_t> EncodePngOf(const Image& image, int bit_depth, int com
   return std::move(writer.bytes);
 }
 
-void WriteBytes(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
-  std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) Refuse(path.string(), "cannot be written");
-}
-
-std::vector<std::uint8_t> ReadImageBytes(const std::filesystem::path& path) {
-  // More than an uncompressed 16-bit image of the largest size is no image of ours.
-  constexpr std::uint64_t kMaxImageFileBytes = 1ull << 30;
-  std::string problem;
-  std::vector<std::uint8_t> bytes = ReadFileBytes(path, kMaxImageFileBytes, &problem);
-  if (!problem.empty()) throw ImageError(problem);
-  return bytes;
-}
-
 }  // namespace
 
 GrayImage DecodeGrayImage(std::span<const std::uint8_t> bytes, const std::string& name) {
@@ -341,11 +323,11 @@ GrayImage DecodeGrayImage(std::span<const std::uint8_t> bytes, const std::string
 }
 
 GrayImage ReadGrayImage(const std::filesystem::path& path) {
-  return DecodeGrayImage(ReadImageBytes(path), path.string());
+  return DecodeGrayImage(ReadFileBytes(path), path.string());
 }
 
 Gray16Image ReadGray16Png(const std::filesystem::path& path) {
-  const std::vector<std::uint8_t> bytes = ReadImageBytes(path);
+  const std::vector<std::uint8_t> bytes = ReadFileBytes(path);
   const std::string name = path.string();
   if (FormatOf(bytes) != Format::kPng) Refuse(name, "not a PNG");
   PngReader reader(bytes);
@@ -365,7 +347,7 @@ Gray16Image ReadGray16Png(const std::filesystem::path& path) {
 }
 
 ImageSize ReadImageSize(const std::filesystem::path& path) {
-  const std::vector<std::uint8_t> bytes = ReadImageBytes(path);
+  const std::vector<std::uint8_t> bytes = ReadFileBytes(path);
   const std::string name = path.string();
   switch (FormatOf(bytes)) {
     case Format::kPng: {
@@ -406,11 +388,11 @@ std::vector<std::uint8_t> EncodeJpeg(const GrayImage& image, int quality) {
 }
 
 void WritePng(const std::filesystem::path& path, const GrayImage& image) {
-  WriteBytes(path, EncodePng(image));
+  WriteFileBytes(path, EncodePng(image));
 }
 
 void WritePng(const std::filesystem::path& path, const Gray16Image& image) {
-  WriteBytes(path, EncodePng(image));
+  WriteFileBytes(path, EncodePng(image));
 }
 
 }  // namespace terrace

@@ -4,18 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/sensor_frame.h"
+#include "datasets/file_bytes.h"
 
 namespace terrace {
-
-/// An image cannot be read or written; what() names the file and the reason in one sentence.
-class ImageError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// No image may be wider or higher; a header that says otherwise is refused before anything is allocated.
 inline constexpr int kMaxImageSidePx = 16384;
@@ -38,16 +33,16 @@ struct ImageSize {
 
 /// Any PNG, JPEG or binary PNM (P5, P6) as 8-bit grey: colour by the luma weights of BT.601, 16 bits scaled
 /// to 8, alpha ignored. A truncated or damaged file is refused as a whole, never half read. Throws
-/// ImageError.
+/// FileError.
 GrayImage ReadGrayImage(const std::filesystem::path& path);
 
 /// The same from memory; `name` stands for the file in messages.
 GrayImage DecodeGrayImage(std::span<const std::uint8_t> bytes, const std::string& name);
 
-/// A grey PNG of 8 or 16 bits with its values unchanged. Throws ImageError, also for colour.
+/// A grey PNG of 8 or 16 bits with its values unchanged. Throws FileError, also for colour.
 Gray16Image ReadGray16Png(const std::filesystem::path& path);
 
-/// Size of a PNG, JPEG or PNM from its header alone. Throws ImageError.
+/// Size of a PNG, JPEG or PNM from its header alone. Throws FileError.
 ImageSize ReadImageSize(const std::filesystem::path& path);
 
 /// @param compression  of zlib: 1 is fastest, 9 smallest. The same image gives the same bytes.
@@ -56,7 +51,7 @@ std::vector<std::uint8_t> EncodePng(const Gray16Image& image, int compression = 
 /// @param quality  1 to 100.
 std::vector<std::uint8_t> EncodeJpeg(const GrayImage& image, int quality);
 
-/// Throw ImageError when the file cannot be written.
+/// Throw FileError when the file cannot be written.
 void WritePng(const std::filesystem::path& path, const GrayImage& image);
 void WritePng(const std::filesystem::path& path, const Gray16Image& image);
 

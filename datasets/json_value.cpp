@@ -2,7 +2,6 @@
 #include "datasets/json_value.h"
 
 #include <cmath>
-#include <fstream>
 
 namespace terrace {
 
@@ -98,18 +97,6 @@ nlohmann::json ParseJson(const std::string& text, const std::string& where) {
 
 nlohmann::json ReadJsonFile(const std::filesystem::path& path) {
   return ParseJson(ReadTextFile(path), path.string());
-}
-
-std::string ReadTextFile(const std::filesystem::path& path, std::uintmax_t max_bytes) {
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) throw FileError(path.string() + ": cannot be read: " + error.message());
-  if (size > max_bytes) throw FileError(path.string() + ": is larger than expected");
-  std::ifstream in(path, std::ios::binary);
-  std::string text(size, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(size));
-  if (!in) throw FileError(path.string() + ": cannot be read");
-  return text;
 }
 
 }  // namespace terrace

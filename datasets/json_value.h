@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,15 +13,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/geometry.h"
+#include "datasets/file_bytes.h"
 
 // nlohmann's header is heavy: include this from .cpp files only.
 
 namespace terrace {
-
-/// A file does not hold what it should. what() is one sentence with the file, the place and the rule.
-class FileError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// A value inside a JSON file that knows its place, so that every error names it. A view: the document must
 /// outlive it.
@@ -58,8 +53,5 @@ class JsonValue {
 /// A whole JSON file, or one line of a .jsonl file. Throws FileError.
 nlohmann::json ParseJson(const std::string& text, const std::string& where);
 nlohmann::json ReadJsonFile(const std::filesystem::path& path);
-
-/// The bytes of a file that is expected to be at most `max_bytes` long. Throws FileError.
-std::string ReadTextFile(const std::filesystem::path& path, std::uintmax_t max_bytes = 1ull << 30);
 
 }  // namespace terrace

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "datasets/folder_sequence.h"
+#include "datasets/ground_truth.h"
 #include "datasets/image_file.h"
 #include "datasets/text_table.h"
 
@@ -51,7 +52,7 @@ ImageSize FirstImageSize(const fs::path& path, int camera, std::vector<std::stri
   for (int i = 0; i < kFramesToTry; ++i) {
     try {
       return ReadImageSize(ImageFile(path, camera, i));
-    } catch (const ImageError& error) {
+    } catch (const FileError& error) {
       if (problem.empty()) problem = error.what();
     }
   }
@@ -173,7 +174,7 @@ std::unique_ptr<Sequence> OpenKittiSequence(const fs::path& path) {
     frames.push_back(
         {time.t, ImageFile(path, cameras.left, time.index), ImageFile(path, cameras.right, time.index), {}});
   }
-  info.has_true_poses = fs::exists(path / "poses.txt");
+  info.has_true_poses = HasTrueTrajectory(path);
   return std::make_unique<FolderSequence>(std::move(info), std::move(frames), SensorSamples{},
                                           num_time_jumps);
 }
