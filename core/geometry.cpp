@@ -13,6 +13,36 @@ PlaneAxes AxesOf(const Eigen::Vector3d& normal) {
   return {x, normal.cross(x)};
 }
 
+Eigen::Quaterniond CanonicalQuaternion(const Eigen::Matrix3d& rotation) {
+  constexpr double kGrid = 1.0 / (1LL << 44);
+  // At least one component of a unit quaternion has a size of 0.5; the first one found stays free, so that it
+  // makes the length 1 while the others lie on the grid.
+  constexpr double kLargeEnough = 0.5 - 1e-9;
+  Eigen::Vector4d wxyz;
+  {
+    const Eigen::Quaterniond q = Eigen::Quaterniond(rotation).normalized();
+    wxyz << q.w(), q.x(), q.y(), q.z();
+  }
+  int free = 0;
+  while (free < 3 && !(std::abs(wxyz[free]) >= kLargeEnough)) ++free;
+  if (wxyz[free] < 0.0) wxyz = -wxyz;
+  double rest = 1.0;
+  for (int i = 0; i < 4; ++i) {
+    if (i == free) continue;
+    wxyz[i] = std::round(wxyz[i] / kGrid) * kGrid;
+    rest -= wxyz[i] * wxyz[i];
+  }
+  wxyz[free] = std::sqrt(rest);
+  return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
+}
+
+Eigen::Isometry3d CanonicalPose(const Eigen::Isometry3d& pose) {
+  Eigen::Isometry3d canonical = Eigen::Isometry3d::Identity();
+  canonical.linear() = CanonicalQuaternion(pose.linear()).toRotationMatrix();
+  canonical.translation() = pose.translation();
+  return canonical;
+}
+
 double SignedArea(const Ring& ring, const Eigen::Vector3d& normal) {
   Eigen::Vector3d twice_area = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < ring.size(); ++i) {

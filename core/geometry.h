@@ -29,6 +29,14 @@ struct PlaneAxes {
 };
 PlaneAxes AxesOf(const Eigen::Vector3d& normal);
 
+/// The unit quaternion of a rotation, on a grid fine enough to mean nothing (6e-14) and coarse enough that a
+/// rotation matrix made from it gives the same quaternion again, bit for bit. Rotations that travel as
+/// quaternions in messages and logs are brought onto it wherever they enter, so that a recording and the log
+/// made from it agree exactly.
+Eigen::Quaterniond CanonicalQuaternion(const Eigen::Matrix3d& rotation);
+/// The same pose with its rotation on that grid.
+Eigen::Isometry3d CanonicalPose(const Eigen::Isometry3d& pose);
+
 /// A simple closed ring; the first vertex is not repeated.
 using Ring = std::vector<Eigen::Vector3d>;
 

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace terrace {
+
+/// On which LCM channel each message travels. YAML section: `channels`.
+struct ChannelConfig {
+  /// Stereo pairs, `images_t`; in.
+  std::string images = "TERRACE_IMAGES";
+  /// The stereo rig, `calibration_v1_t`; in.
+  std::string calibration = "TERRACE_CALIBRATION";
+  /// IMU readings, `imu_v1_t`; in.
+  std::string imu = "TERRACE_IMU";
+  /// What the robot believes about its body, `body_prior_v1_t`; in.
+  std::string body_prior = "TERRACE_BODY_PRIOR";
+  /// The same from a robot that publishes `pose_t`; in. Empty: none.
+  std::string body_pose = "";
+  /// What a pose on `body_pose` is taken as: `leg_odometry` or `attitude`.
+  std::string body_pose_kind = "leg_odometry";
+  /// Commands to the daemon, `command_v1_t`; in.
+  std::string command = "TERRACE_COMMAND";
+  /// Answers to commands, `command_reply_v1_t`; out.
+  std::string reply = "TERRACE_REPLY";
+  /// The body in the world, `pose_t`; out.
+  std::string pose = "TERRACE_POSE";
+  /// Motion of the left camera between frames, `update_t`; out.
+  std::string odometry = "TERRACE_ODOMETRY";
+  /// The labelled map, `terrain_v1_t`; out.
+  std::string terrain = "TERRACE_TERRAIN";
+  /// The daemon's state, `status_v1_t`; out.
+  std::string status = "TERRACE_STATUS";
+  /// True poses of the body in converted logs, `pose_t`; never read by the mapper.
+  std::string true_pose = "TERRACE_TRUE_POSE";
+
+  /// One sentence per problem; empty when the settings can be used.
+  std::vector<std::string> Problems() const;
+};
+
+}  // namespace terrace
