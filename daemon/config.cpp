@@ -73,6 +73,14 @@ class Binding {
       OdometryConfig& settings = Begin("odometry", "OdometryConfig", &p.odometry);
       TERRACE_KEY(use_imu);
       TERRACE_KEY(use_priors);
+      TERRACE_KEY(num_cells);
+      TERRACE_KEY(max_disparity_px);
+      TERRACE_KEY(window_keyframes);
+      TERRACE_KEY(keyframe_parallax);
+      TERRACE_KEY(keyframe_min_coverage);
+      TERRACE_KEY(min_inliers);
+      TERRACE_KEY(max_bridging_s);
+      TERRACE_KEY(max_vertical_disparity_px);
     }
     {
       // One section for both: a user limits the range of the map, wherever that happens.

@@ -19,6 +19,22 @@ struct OdometryConfig {
   bool use_imu = true;
   /// Use body attitude and leg odometry when they arrive.
   bool use_priors = true;
+  /// Cells of the grid over the image; each keyframe holds at most one new feature a cell.
+  int num_cells = 260;
+  /// Nearest point of which a new feature is made: focal_px * baseline_m / this.
+  int max_disparity_px = 192;
+  /// Keyframes that are refined together.
+  int window_keyframes = 8;
+  /// A new keyframe when features have moved this far by translation, as a share of the focal length.
+  double keyframe_parallax = 0.06;
+  /// A new keyframe when fewer than this share of the cells still holds a feature that was found.
+  double keyframe_min_coverage = 0.45;
+  /// Below this many points that agree, the images do not count as tracked.
+  int min_inliers = 15;
+  /// Bridging longer than this without an image that counts is being lost.
+  double max_bridging_s = 2.0;
+  /// Vertical disparity of the pair beyond which a warning names the calibration.
+  double max_vertical_disparity_px = 0.5;
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;
@@ -31,12 +47,11 @@ struct Mounting {
   ImuNoise imu_noise;
 };
 
-/// A small correction that the map offers to the odometry; applied gradually so that the world frame never
-/// jumps.
+/// A small correction that the map offers to the odometry; taken over bit by bit, so that no pose jumps.
 struct PoseCorrection {
   FrameId frame_id = 0;
-  Eigen::Isometry3d T_world_world_corrected = Eigen::Isometry3d::Identity();
-  Matrix6d covariance = Matrix6d::Zero();
+  /// The map puts a camera that is said to be at T_world_left at T_corrected_world * T_world_left.
+  Eigen::Isometry3d T_corrected_world = Eigen::Isometry3d::Identity();
 };
 
 /// A better "up" than the odometry knows, from floors and treads.
@@ -59,6 +74,8 @@ class VisualOdometry {
                       const std::string& reason);
 
   const Gravity& gravity() const;
+  /// What the user should be told, a sentence each, once.
+  const std::vector<std::string>& warnings() const;
 
   void Apply(const PoseCorrection& correction);
   void Apply(const GravityHint& hint);

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Plays sequences through the odometry alone and compares with the truth:
+//   terrace_odometry_run SEQUENCE... [--no-imu] [--out DIR] [--sgbm]
+// --out writes one text line a frame (pose, truth, error, sigmas); --sgbm compares the CPU time with OpenCV's
+// StereoSGBM, 128 disparities, padded, on every eighth frame of the same run.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "datasets/sequence.h"
+#include "odometry/rotation.h"
+#include "odometry/visual_odometry.h"
+#include "stereo/rectifier.h"
+
+namespace terrace {
+namespace {
+
+double CpuSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+struct Recording {
+  std::string name;
+  StereoCamera camera;
+  Mounting mounting;
+  std::vector<StereoFrame> frames;  ///< without images: unreadable
+  std::vector<SensorSamples> samples;
+  std::map<std::int64_t, Eigen::Isometry3d> truth;  ///< of the rectified left camera, by microseconds
+};
+
+/// True poses of the rectified left camera.
+std::map<std::int64_t, Eigen::Isometry3d> ReadTruth(const std::filesystem::path& path,
+                                                    const Eigen::Matrix3d& R_rect_raw) {
+  std::map<std::int64_t, Eigen::Isometry3d> truth;
+  std::string line;
+  if (std::ifstream tum(path / "groundtruth_tum.txt"); tum) {
+    while (std::getline(tum, line)) {
+      std::istringstream in(line);
+      double t, x, y, z, qx, qy, qz, qw;
+      if (!(in >> t >> x >> y >> z >> qx >> qy >> qz >> qw)) continue;
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      T.translation() << x, y, z;
+      T.linear() =
+          Eigen::Quaterniond(qw, qx, qy, qz).normalized().toRotationMatrix() * R_rect_raw.transpose();
+      truth[std::llround(t * 1e6)] = T;
+    }
+  } else if (std::ifstream poses(path / "poses.txt"); poses) {
+    std::ifstream times(path / "times.txt");
+    double t;
+    while (times >> t && std::getline(poses, line)) {
+      std::istringstream in(line);
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 4; ++c) in >> T.matrix()(r, c);
+      truth[std::llround(t * 1e6)] = T;
+    }
+  }
+  return truth;
+}
+
+Recording Load(const std::filesystem::path& path) {
+  Recording recording;
+  recording.name = path.filename();
+  const auto sequence = OpenSequence(path);
+  const StereoCalibration& calibration = sequence->info().calibration;
+  const Rectifier rectifier(calibration);
+  recording.camera = rectifier.camera();
+  recording.mounting.imu_noise = calibration.imu_noise;
+  if (calibration.T_body_rawleft) {
+    Eigen::Isometry3d T_rawleft_left = Eigen::Isometry3d::Identity();
+    T_rawleft_left.linear() = rectifier.R_rect_raw().transpose();
+    recording.mounting.T_body_left = *calibration.T_body_rawleft * T_rawleft_left;
+    if (calibration.T_body_imu)
+      recording.mounting.T_left_imu = recording.mounting.T_body_left->inverse() * *calibration.T_body_imu;
+  }
+  while (auto frame = sequence->Next()) {
+    StereoFrame pair;
+    pair.frame_id = frame->frame_id;
+    pair.t_capture = frame->pair.t_capture;
+    if (frame->pair.problem.empty()) {
+      pair = rectifier.Rectify(frame->frame_id, frame->pair);
+      pair.left = pair.left.clone();
+      pair.right = pair.right.clone();
+    }
+    recording.frames.push_back(pair);
+    recording.samples.push_back(frame->samples);
+  }
+  recording.truth = ReadTruth(path, rectifier.R_rect_raw());
+  return recording;
+}
+
+/// Everything measured about one run.
+struct Outcome {
+  int frames = 0;
+  int tracked = 0;
+  int bridging = 0;
+  int lost = 0;
+  double ate_mm = 0.0;
+  double end_mm = 0.0;
+  double max_jump_mm = 0.0;
+  std::map<double, double> relative_percent;
+  double mean_relative = 0.0;
+  double nees = 0.0;
+  double nees_rotation = 0.0;
+  double nees_translation = 0.0;
+  double cpu_ms = 0.0;
+  double p99_ms = 0.0;
+  double max_ms = 0.0;
+  double sgbm_ratio = 0.0;
+  Gravity gravity;
+  double gravity_error_deg = 0.0;
+  double path_m = 0.0;
+  std::size_t digest = 0;
+};
+
+struct Options {
+  bool use_imu = true;
+  bool sgbm = false;
+  std::string out;
+};
+
+Outcome Run(const Recording& recording, const Options& options, const std::string& tag) {
+  OdometryConfig config;
+  config.use_imu = options.use_imu;
+  VisualOdometry odometry(config, recording.camera, recording.mounting);
+  std::vector<PoseEstimate> poses;
+  std::vector<double> cpu;
+  double sgbm_s = 0.0;
+  double odometry_s = 0.0;
+  int num_sgbm = 0;
+  for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+    const StereoFrame& frame = recording.frames[i];
+    const double before = CpuSeconds();
+    poses.push_back(frame.left.empty()
+                        ? odometry.Bridge(frame.frame_id, frame.t_capture, recording.samples[i], "no image")
+                        : odometry.Track(frame, recording.samples[i]));
+    cpu.push_back(CpuSeconds() - before);
+    odometry_s += cpu.back();
+    if (options.sgbm && i % 8 == 0 && !frame.left.empty()) {
+      cv::Mat left, right, disparity;
+      cv::copyMakeBorder(frame.left, left, 0, 0, 128, 0, cv::BORDER_REPLICATE);
+      cv::copyMakeBorder(frame.right, right, 0, 0, 128, 0, cv::BORDER_REPLICATE);
+      auto sgbm = cv::StereoSGBM::create(0, 128, 5, 200, 800, 1, 63, 10, 100, 2, cv::StereoSGBM::MODE_SGBM);
+      const double start = CpuSeconds();
+      sgbm->compute(left, right, disparity);
+      sgbm_s += CpuSeconds() - start;
+      ++num_sgbm;
+    }
+  }
+
+  Outcome out;
+  out.frames = static_cast<int>(poses.size());
+  out.cpu_ms = 1e3 * odometry_s / out.frames;
+  std::vector<double> sorted = cpu;
+  std::sort(sorted.begin(), sorted.end());
+  out.p99_ms = 1e3 * sorted[sorted.size() * 99 / 100];
+  out.max_ms = 1e3 * sorted.back();
+  if (num_sgbm > 0) out.sgbm_ratio = (sgbm_s / num_sgbm) / (odometry_s / out.frames);
+  out.gravity = odometry.gravity();
+
+  // Pairs of estimated and true poses of frames that are not lost.
+  std::vector<Eigen::Isometry3d> estimated, truth;
+  std::vector<const PoseEstimate*> used;
+  for (const PoseEstimate& pose : poses) {
+    out.tracked += pose.status == TrackingStatus::kTracking;
+    out.bridging += pose.status == TrackingStatus::kBridging;
+    out.lost += pose.status == TrackingStatus::kLost;
+    for (int k = 0; k < 12; ++k) {
+      const double value = pose.T_world_left.matrix()(k % 3, k / 3);
+      std::uint64_t bits;
+      std::memcpy(&bits, &value, sizeof bits);
+      out.digest = (out.digest ^ bits) * 1099511628211ull;
+    }
+    const auto found = recording.truth.find(std::llround(static_cast<double>(pose.t_capture.ns) * 1e-3));
+    if (found == recording.truth.end() || pose.status == TrackingStatus::kLost) continue;
+    estimated.push_back(pose.T_world_left);
+    truth.push_back(found->second);
+    used.push_back(&pose);
+  }
+  if (!options.out.empty()) {
+    std::ofstream file(options.out + "/" + recording.name + tag + ".txt");
+    file.precision(12);
+    const Eigen::Isometry3d T_true_est =
+        truth.empty() ? Eigen::Isometry3d::Identity() : Eigen::Isometry3d(truth[0] * estimated[0].inverse());
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      const Eigen::Isometry3d est = T_true_est * estimated[i];
+      const Vector6d e = StepBetween(truth[i], est);
+      file << used[i]->frame_id << ' ' << static_cast<int>(used[i]->status) << ' '
+           << est.translation().transpose() << ' ' << truth[i].translation().transpose() << ' '
+           << e.transpose() << ' ' << used[i]->covariance.diagonal().cwiseSqrt().transpose() << ' '
+           << used[i]->num_matches << ' ' << used[i]->num_inliers << ' ' << used[i]->rms_px << ' '
+           << 1e3 * cpu[static_cast<std::size_t>(used[i]->frame_id)] << '\n';
+    }
+  }
+  const std::size_t n = estimated.size();
+  if (n < 3) return out;
+
+  Eigen::Matrix3Xd p_est(3, n), p_true(3, n);
+  for (std::size_t i = 0; i < n; ++i) {
+    p_est.col(static_cast<Eigen::Index>(i)) = estimated[i].translation();
+    p_true.col(static_cast<Eigen::Index>(i)) = truth[i].translation();
+  }
+  const Eigen::Matrix4d T_align = Eigen::umeyama(p_est, p_true, false);
+  const Eigen::Matrix3Xd errors =
+      ((T_align.topLeftCorner<3, 3>() * p_est).colwise() + T_align.block<3, 1>(0, 3)) - p_true;
+  out.ate_mm = 1e3 * std::sqrt(errors.colwise().squaredNorm().mean());
+
+  std::vector<double> path{0.0};
+  for (std::size_t i = 1; i < n; ++i)
+    path.push_back(path.back() + (truth[i].translation() - truth[i - 1].translation()).norm());
+  out.path_m = path.back();
+  const bool far = path.back() > 20.0;
+  double sum_of_means = 0.0;
+  int num_lengths = 0;
+  for (const double length : far ? std::vector<double>{10, 20, 30, 40} : std::vector<double>{0.5, 1, 2, 5}) {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t i = 0, j = 0; i < n; ++i) {
+      while (j < n && path[j] < path[i] + length) ++j;
+      if (j == n) break;
+      const Eigen::Isometry3d delta =
+          (truth[i].inverse() * truth[j]).inverse() * (estimated[i].inverse() * estimated[j]);
+      sum += delta.translation().norm() / (path[j] - path[i]);
+      ++count;
+    }
+    if (count == 0) continue;
+    out.relative_percent[length] = 100.0 * sum / count;
+    if (length != 0.5) {
+      sum_of_means += 100.0 * sum / count;
+      ++num_lengths;
+    }
+  }
+  if (num_lengths > 0) out.mean_relative = sum_of_means / num_lengths;
+
+  int num_nees = 0;
+  for (std::size_t i = 1; i < n; ++i) {
+    const Eigen::Isometry3d T_true = truth[0].inverse() * truth[i];
+    const Eigen::Isometry3d T_est = estimated[0].inverse() * estimated[i];
+    const Vector6d e = StepBetween(T_true, T_est);
+    const Matrix6d& P = used[i]->covariance;
+    out.nees += e.dot(P.ldlt().solve(e));
+    out.nees_rotation += e.head<3>().dot(P.topLeftCorner<3, 3>().ldlt().solve(e.head<3>()));
+    out.nees_translation += e.tail<3>().dot(P.bottomRightCorner<3, 3>().ldlt().solve(e.tail<3>()));
+    ++num_nees;
+    const Eigen::Vector3d jump = (truth[i - 1].inverse() * truth[i]).translation() -
+                                 (estimated[i - 1].inverse() * estimated[i]).translation();
+    out.max_jump_mm = std::max(out.max_jump_mm, 1e3 * jump.norm());
+  }
+  out.nees /= num_nees;
+  out.nees_rotation /= num_nees;
+  out.nees_translation /= num_nees;
+  out.end_mm = 1e3 * StepBetween(truth[0].inverse() * truth[n - 1], estimated[0].inverse() * estimated[n - 1])
+                         .tail<3>()
+                         .norm();
+  // True gravity is -z of the truth's world, seen through the first poses; it drifts with the estimate's
+  // rotation.
+  const Eigen::Vector3d down_world_end =
+      estimated[n - 1].linear() * truth[n - 1].linear().transpose() * -Eigen::Vector3d::UnitZ();
+  out.gravity_error_deg =
+      180.0 / M_PI * std::acos(std::clamp(down_world_end.dot(out.gravity.down_world), -1.0, 1.0));
+  return out;
+}
+
+void Print(const std::string& title, const Outcome& o) {
+  std::printf("%-34s tracked %d/%d bridging %d lost %d | ATE %.2f mm end %.1f jump %.1f | rel", title.c_str(),
+              o.tracked, o.frames, o.bridging, o.lost, o.ate_mm, o.end_mm, o.max_jump_mm);
+  for (const auto& [length, percent] : o.relative_percent) std::printf(" %gm %.2f%%", length, percent);
+  std::printf(" mean %.3f%% | NEES %.1f (r %.1f t %.1f) | cpu %.2f ms p99 %.1f max %.1f", o.mean_relative,
+              o.nees, o.nees_rotation, o.nees_translation, o.cpu_ms, o.p99_ms, o.max_ms);
+  if (o.sgbm_ratio > 0.0) std::printf(" sgbm/%.1f", o.sgbm_ratio);
+  std::printf(" | gravity %s %.2f deg (sigma %.2f) | %016zx\n", Name(o.gravity.source), o.gravity_error_deg,
+              180.0 / M_PI * o.gravity.sigma_rad, o.digest);
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace terrace
+
+int main(int argc, char** argv) {
+  using namespace terrace;
+  std::vector<std::string> sequences;
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--no-imu")
+      options.use_imu = false;
+    else if (argument == "--sgbm")
+      options.sgbm = true;
+    else if (argument == "--out" && i + 1 < argc)
+      options.out = argv[++i];
+    else
+      sequences.push_back(argument);
+  }
+  cv::setNumThreads(1);
+  for (const std::string& path : sequences) {
+    const Recording recording = Load(path);
+    Print(recording.name + (options.use_imu ? "" : " no-imu"), Run(recording, options, ""));
+  }
+  return 0;
+}

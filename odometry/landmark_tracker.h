@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "core/camera.h"
+#include "odometry/feature_finder.h"
+#include "odometry/image_pyramid.h"
+#include "odometry/window.h"
+
+namespace terrace {
+
+/// A landmark found in the current frame.
+struct Match {
+  int landmark = 0;  ///< index into Window::landmarks
+  StereoMeasurement measurement;
+  Projection predicted;      ///< where it was expected
+  double vertical_px = 0.0;  ///< v in the right image less v in the left one
+  double scale = 1.0;        ///< size here over size in the host
+};
+
+/// How landmarks are looked for.
+struct SearchOptions {
+  int start_level = 2;    ///< of the pyramid: how far off the prediction may be
+  int max_per_cell = 2;   ///< landmarks tried in one cell of the grid
+  bool use_right = true;  ///< measure disparities, too
+};
+
+/// Looks for the window's landmarks in a new frame. Each is predicted from the pose expected and looked for
+/// with the texture of its host keyframe, warped as its plane demands, so that errors do not add up from
+/// frame to frame.
+class LandmarkTracker {
+ public:
+  LandmarkTracker(const StereoCamera& camera, const FeatureGrid& grid);
+
+  std::vector<Match> Track(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
+                           const Eigen::Isometry3d& T_world_left, double vertical_px,
+                           const SearchOptions& options) const;
+
+ private:
+  bool FindInLeft(const Landmark& landmark, const ImagePyramid& host, const ImagePyramid& left,
+                  int start_level, Match& match) const;
+  void FindInRight(const ImagePyramid& left, const ImagePyramid& right, double vertical_px,
+                   Match& match) const;
+
+  StereoCamera camera_;
+  FeatureGrid grid_;
+};
+
+}  // namespace terrace

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/patch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include <Eigen/Dense>
+
+namespace terrace {
+namespace {
+
+constexpr int kSize = PatchTemplate::kSize;
+constexpr int kArea = PatchTemplate::kArea;
+/// Below this the smaller eigenvalue of the gradient matrix, per pixel, tells noise from noise [grey^2].
+constexpr float kMinTexture = 1.0f;
+
+typedef float Float4 __attribute__((vector_size(16)));
+typedef std::uint8_t Byte4 __attribute__((vector_size(4)));
+
+Float4 Load(const float* p) {
+  Float4 v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+Float4 LoadBytes(const std::uint8_t* p) {
+  Byte4 v;
+  std::memcpy(&v, p, sizeof v);
+  return __builtin_convertvector(v, Float4);
+}
+float Sum(const Float4& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+
+float Dot(const float* a, const float* b) {
+  Float4 sum{};
+  for (int i = 0; i < kArea; i += 4) sum += Load(a + i) * Load(b + i);
+  return Sum(sum);
+}
+float Total(const float* a) {
+  Float4 sum{};
+  for (int i = 0; i < kArea; i += 4) sum += Load(a + i);
+  return Sum(sum);
+}
+
+float Bilinear(const cv::Mat1b& image, float x, float y) {
+  const int ix = static_cast<int>(x);
+  const int iy = static_cast<int>(y);
+  const float fx = x - static_cast<float>(ix);
+  const float fy = y - static_cast<float>(iy);
+  const std::uint8_t* row0 = image[iy] + ix;
+  const std::uint8_t* row1 = row0 + image.step;
+  const float top = row0[0] + fx * static_cast<float>(row0[1] - row0[0]);
+  const float bottom = row1[0] + fx * static_cast<float>(row1[1] - row1[0]);
+  return top + fy * (bottom - top);
+}
+
+/// True when a bilinear sample can be taken at (x, y).
+bool Inside(const cv::Mat1b& image, float x, float y) {
+  return x >= 0.0f && y >= 0.0f && x < static_cast<float>(image.cols - 1) &&
+         y < static_cast<float>(image.rows - 1);
+}
+
+/// Unwarped samples around a position; false when they leave the image.
+bool SampleUpright(const cv::Mat1b& image, const Eigen::Vector2f& position, float* samples) {
+  const float x = position.x() + PatchTemplate::Offset(0);
+  const float y = position.y() + PatchTemplate::Offset(0);
+  // One vector is read past the last column.
+  if (!(x >= 0.0f && y >= 0.0f && x < static_cast<float>(image.cols - kSize - 4) &&
+        y < static_cast<float>(image.rows - kSize - 1)))
+    return false;
+  const int ix = static_cast<int>(x);
+  const int iy = static_cast<int>(y);
+  const float fx = x - static_cast<float>(ix);
+  const float fy = y - static_cast<float>(iy);
+  Float4 above[kSize / 4];
+  for (int j = 0; j <= kSize; ++j) {
+    const std::uint8_t* row = image[iy + j] + ix;
+    for (int i = 0; i < kSize / 4; ++i) {
+      const Float4 a = LoadBytes(row + 4 * i);
+      const Float4 b = LoadBytes(row + 4 * i + 1);
+      const Float4 across = a + fx * (b - a);
+      if (j > 0) {
+        const Float4 v = above[i] + fy * (across - above[i]);
+        std::memcpy(samples + (j - 1) * kSize + 4 * i, &v, sizeof v);
+      }
+      above[i] = across;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool ExtractTemplate(const cv::Mat1b& image, const Eigen::Vector2f& centre,
+                     const Eigen::Matrix2f& A_image_template, PatchTemplate& patch) {
+  constexpr int kWide = kSize + 2;  // one more on each side for the gradients
+  const float reach = 0.5f * (kWide - 1);
+  const Eigen::Vector2f extent = A_image_template.cwiseAbs() * Eigen::Vector2f(reach, reach);
+  if (!(Inside(image, centre.x() - extent.x(), centre.y() - extent.y()) &&
+        Inside(image, centre.x() + extent.x(), centre.y() + extent.y())))
+    return false;
+
+  float wide[kWide * kWide];
+  for (int j = 0; j < kWide; ++j) {
+    for (int i = 0; i < kWide; ++i) {
+      const float du = static_cast<float>(i) - reach;
+      const float dv = static_cast<float>(j) - reach;
+      wide[j * kWide + i] =
+          Bilinear(image, centre.x() + A_image_template(0, 0) * du + A_image_template(0, 1) * dv,
+                   centre.y() + A_image_template(1, 0) * du + A_image_template(1, 1) * dv);
+    }
+  }
+
+  float mean = 0.0f;
+  for (int j = 0; j < kSize; ++j)
+    for (int i = 0; i < kSize; ++i) mean += wide[(j + 1) * kWide + i + 1];
+  mean /= kArea;
+
+  for (int j = 0; j < kSize; ++j) {
+    for (int i = 0; i < kSize; ++i) {
+      const float* at = wide + (j + 1) * kWide + i + 1;
+      patch.value[j * kSize + i] = *at - mean;
+      patch.gradient_u[j * kSize + i] = 0.5f * (at[1] - at[-1]);
+      patch.gradient_v[j * kSize + i] = 0.5f * (at[kWide] - at[-kWide]);
+    }
+  }
+  Float4 uu{}, uv{}, ut{}, u1{}, vv{}, vt{}, v1{}, tt{};
+  for (int i = 0; i < kArea; i += 4) {
+    const Float4 gu = Load(patch.gradient_u + i);
+    const Float4 gv = Load(patch.gradient_v + i);
+    const Float4 t = Load(patch.value + i);
+    uu += gu * gu;
+    uv += gu * gv;
+    ut += gu * t;
+    u1 += gu;
+    vv += gv * gv;
+    vt += gv * t;
+    v1 += gv;
+    tt += t * t;
+  }
+  const float half_trace = 0.5f * (Sum(uu) + Sum(vv));
+  const float half_difference = 0.5f * (Sum(uu) - Sum(vv));
+  const float smaller = half_trace - std::sqrt(half_difference * half_difference + Sum(uv) * Sum(uv));
+  if (smaller < kMinTexture * kArea) return false;
+
+  Eigen::Matrix4f normal;
+  normal << Sum(uu), Sum(uv), Sum(ut), Sum(u1), Sum(uv), Sum(vv), Sum(vt), Sum(v1), Sum(ut), Sum(vt), Sum(tt),
+      0.0f, Sum(u1), Sum(v1), 0.0f, static_cast<float>(kArea);
+  patch.inverse_normal = normal.cast<double>().inverse().cast<float>();
+  return patch.inverse_normal.allFinite();
+}
+
+bool Align(const cv::Mat1b& image, const PatchTemplate& patch, const Eigen::Vector2f& start,
+           int max_iterations, float max_shift_px, Alignment& result) {
+  constexpr float kSettledPx = 0.02f;
+  constexpr float kMinGain = 0.2f;
+  constexpr float kMaxGain = 5.0f;
+  alignas(16) float samples[kArea];
+  Eigen::Vector2f position = start;
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    if (!SampleUpright(image, position, samples)) return false;
+    Float4 u{}, v{}, t{}, one{}, square{};
+    for (int i = 0; i < kArea; i += 4) {
+      const Float4 s = Load(samples + i);
+      u += s * Load(patch.gradient_u + i);
+      v += s * Load(patch.gradient_v + i);
+      t += s * Load(patch.value + i);
+      one += s;
+      square += s * s;
+    }
+    const Eigen::Vector4f right(Sum(u), Sum(v), Sum(t), Sum(one));
+    const Eigen::Vector4f fit = patch.inverse_normal * right;
+    const float gain = fit[2];
+    if (!(gain > kMinGain && gain < kMaxGain)) return false;
+    Eigen::Vector2f shift = fit.head<2>() / gain;
+    const float length = shift.norm();
+    constexpr float kMaxStepPx = 2.0f;  // the gradients say nothing farther away
+    if (length > kMaxStepPx) shift *= kMaxStepPx / length;
+    position -= shift;
+    if (!((position - start).squaredNorm() < max_shift_px * max_shift_px)) return false;
+
+    const float total = Sum(square) - right[3] * right[3] / kArea;
+    const float residual = std::max(Sum(square) - fit.dot(right), 0.0f);
+    result.position = position;
+    result.gain = gain;
+    result.agreement = total > 0.0f ? 1.0f - residual / total : 0.0f;
+    if (length < kSettledPx) {
+      const float variance = (residual / (kArea - 4) + 1.0f / 12.0f) / (gain * gain);
+      result.covariance = patch.inverse_normal.topLeftCorner<2, 2>() * variance;
+      return true;
+    }
+  }
+  return false;
+}
+
+bool AlignStereo(const cv::Mat1b& left, const cv::Mat1b& right, const Eigen::Vector2f& position_left,
+                 float vertical_px, StereoAlignment& result) {
+  constexpr int kMaxIterations = 12;
+  constexpr float kSettledPx = 0.02f;
+  constexpr float kMaxMovePx = 4.0f;
+  constexpr float kMaxGradient = 0.7f;
+  constexpr float kMaxVerticalPx = 3.0f;
+  /// How steep surfaces are, before looking: keeps weak texture from inventing a slant.
+  constexpr float kGradientPrior = 0.3f;
+  using Vector6f = Eigen::Matrix<float, 6, 1>;
+  using Matrix6f = Eigen::Matrix<float, 6, 6>;
+
+  PatchTemplate patch;
+  if (!ExtractTemplate(left, position_left, Eigen::Matrix2f::Identity(), patch)) return false;
+
+  // Basis: disparity, its gradients along u and v, vertical shift, contrast; and brightness.
+  alignas(16) float across[kArea];
+  alignas(16) float down[kArea];
+  for (int k = 0; k < kArea; ++k) {
+    across[k] = PatchTemplate::Offset(k % kSize) * patch.gradient_u[k];
+    down[k] = PatchTemplate::Offset(k / kSize) * patch.gradient_u[k];
+  }
+  const std::array<const float*, 5> basis{patch.gradient_u, across, down, patch.gradient_v, patch.value};
+  Matrix6f normal;
+  for (int a = 0; a < 5; ++a) {
+    for (int b = a; b < 5; ++b) normal(a, b) = normal(b, a) = Dot(basis[a], basis[b]);
+    normal(a, 5) = normal(5, a) = Total(basis[a]);
+  }
+  normal(5, 5) = kArea;
+
+  const float start = result.disparity_px;
+  float disparity = start;
+  float gradient_u = result.gradient_u;
+  float gradient_v = result.gradient_v;
+  float vertical = vertical_px;
+  float noise_variance = 9.0f;  // grey^2, until there is a residual
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const float extent = 0.5f * (kSize - 1);
+    const float y = position_left.y() + vertical;
+    const float reach = extent * (1.0f + std::abs(gradient_u) + std::abs(gradient_v));
+    const float x = position_left.x() - disparity;
+    if (!(Inside(right, x - reach, y - extent) && Inside(right, x + reach, y + extent))) return false;
+    alignas(16) float samples[kArea];
+    for (int k = 0; k < kArea; ++k) {
+      const float du = PatchTemplate::Offset(k % kSize);
+      const float dv = PatchTemplate::Offset(k / kSize);
+      samples[k] = Bilinear(right, x + du - gradient_u * du - gradient_v * dv, y + dv);
+    }
+    Vector6f sums;
+    for (int a = 0; a < 5; ++a) sums[a] = Dot(basis[a], samples);
+    sums[5] = Total(samples);
+    const float square = Dot(samples, samples);
+    // The slant is drawn towards flat by the prior; its pull acts on the whole slant, not on the step.
+    Matrix6f damped = normal;
+    Vector6f pulled = sums;
+    const float weight = noise_variance / (kGradientPrior * kGradientPrior);
+    damped(1, 1) += weight;
+    damped(2, 2) += weight;
+    pulled[1] -= weight * gradient_u;
+    pulled[2] -= weight * gradient_v;
+    const Matrix6f inverse = damped.cast<double>().inverse().cast<float>();
+    const Vector6f fit = inverse * pulled;
+    const float gain = fit[4];
+    if (!(gain > 0.3f && gain < 3.0f)) return false;
+
+    // right(x) = left(x + d_true), so reading with d finds left + (d_true - d) * gradient_u.
+    const float step = std::clamp(fit[0] / gain, -2.0f, 2.0f);
+    disparity += step;
+    gradient_u += std::clamp(fit[1] / gain, -0.2f, 0.2f);
+    gradient_v += std::clamp(fit[2] / gain, -0.2f, 0.2f);
+    vertical -= std::clamp(fit[3] / gain, -1.0f, 1.0f);
+    if (!(std::abs(disparity - start) < kMaxMovePx && std::abs(gradient_u) < kMaxGradient &&
+          std::abs(gradient_v) < kMaxGradient && std::abs(vertical - vertical_px) < kMaxVerticalPx))
+      return false;
+
+    const float total = square - sums[5] * sums[5] / kArea;
+    const float residual = std::max(square - 2.0f * fit.dot(sums) + fit.dot(normal * fit), 0.0f);
+    noise_variance = residual / (kArea - 6) + 1.0f / 12.0f;
+    if (std::abs(step) < kSettledPx) {
+      result.disparity_px = disparity;
+      result.gradient_u = gradient_u;
+      result.gradient_v = gradient_v;
+      result.vertical_px = vertical;
+      result.agreement = total > 0.0f ? 1.0f - residual / total : 0.0f;
+      result.disparity_sigma_px = std::sqrt(noise_variance * inverse(0, 0)) / gain;
+      result.gradient_sigma = std::sqrt(noise_variance * std::max(inverse(1, 1), inverse(2, 2))) / gain;
+      return disparity > 0.0f;
+    }
+  }
+  return false;
+}
+
+}  // namespace terrace

@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/visual_odometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Dense>
+
+#include "core/check.h"
+#include "odometry/feature_finder.h"
+#include "odometry/image_pyramid.h"
+#include "odometry/landmark_tracker.h"
+#include "odometry/pose_solver.h"
+#include "odometry/rotation.h"
+#include "odometry/window.h"
+#include "odometry/world_frame.h"
+
+namespace terrace {
+namespace {
+
+/// What a motion model knows of the next frame, per second without an image.
+constexpr double kModelRotationSigma = 1.0;     // rad / s
+constexpr double kModelTranslationSigma = 0.8;  // m / s
+constexpr double kGyroRotationSigma = 0.05;     // rad / s
+
+Matrix6d DiagonalCovariance(double rotation_sigma, double translation_sigma) {
+  Matrix6d m = Matrix6d::Zero();
+  m.diagonal().head<3>().setConstant(rotation_sigma * rotation_sigma);
+  m.diagonal().tail<3>().setConstant(translation_sigma * translation_sigma);
+  return m;
+}
+
+}  // namespace
+
+std::vector<std::string> OdometryConfig::Problems() const {
+  std::vector<std::string> problems;
+  const auto Require = [&problems](bool holds, const std::string& sentence) {
+    if (!holds) problems.push_back("odometry." + sentence);
+  };
+  Require(num_cells >= 40 && num_cells <= 2000, "num_cells must lie in 40..2000");
+  Require(max_disparity_px >= 16 && max_disparity_px <= 512, "max_disparity_px must lie in 16..512");
+  Require(window_keyframes >= 3 && window_keyframes <= 30, "window_keyframes must lie in 3..30");
+  Require(keyframe_parallax > 0.0 && keyframe_parallax < 1.0, "keyframe_parallax must lie between 0 and 1");
+  Require(keyframe_min_coverage > 0.0 && keyframe_min_coverage < 1.0,
+          "keyframe_min_coverage must lie between 0 and 1");
+  Require(min_inliers >= 6, "min_inliers must be at least 6");
+  Require(max_bridging_s > 0.0, "max_bridging_s must be positive");
+  Require(max_vertical_disparity_px > 0.0, "max_vertical_disparity_px must be positive");
+  return problems;
+}
+
+class VisualOdometry::Impl {
+ public:
+  Impl(const OdometryConfig& config, const StereoCamera& camera, const Mounting& mounting)
+      : config_(config),
+        camera_(camera),
+        mounting_(mounting),
+        grid_(FeatureGrid::For(camera.width, camera.height, config.num_cells)),
+        tracker_(camera, grid_),
+        finder_(camera, grid_, config.max_disparity_px) {}
+
+  PoseEstimate Track(const StereoFrame& frame, const SensorSamples& samples) {
+    TERRACE_CHECK(frame.left.size() == cv::Size(camera_.width, camera_.height) &&
+                  frame.right.size() == frame.left.size());
+    const ImagePyramid left = BuildPyramid(frame.left);
+    const ImagePyramid right = BuildPyramid(frame.right);
+    TakeOverCorrection();
+    if (!last_) return Start(frame, left, right, samples);
+
+    const Motion predicted = Predict(frame.t_capture, samples);
+    std::vector<Match> matches;
+    PoseSolution solution;
+    if (!FindPose(left, right, predicted, static_cast<std::uint32_t>(frame.frame_id), matches, solution))
+      return Bridged(frame.frame_id, frame.t_capture, predicted, "too few features found again");
+
+    PoseEstimate pose = Tracked(frame, predicted, matches, solution);
+    UpdateVertical(matches, solution);
+    CountFailures(matches, solution);
+    if (NeedsKeyframe(matches, solution))
+      AddKeyframe(frame, left, right, pose.T_world_left, matches, solution);
+    Remember(pose);
+    return pose;
+  }
+
+  PoseEstimate Bridge(FrameId frame_id, Timestamp t_capture, const SensorSamples& samples,
+                      const std::string& reason) {
+    if (!last_) {
+      PoseEstimate pose;
+      pose.frame_id = frame_id;
+      pose.t_capture = t_capture;
+      pose.reason = reason;
+      return pose;
+    }
+    return Bridged(frame_id, t_capture, Predict(t_capture, samples), reason);
+  }
+
+  const Gravity& gravity() const { return gravity_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  void Apply(const PoseCorrection& correction) { correction_ = correction.T_corrected_world; }
+  void Apply(const GravityHint& hint) {
+    // An IMU or the robot's own attitude knows better.
+    if (gravity_.source == GravitySource::kImu || gravity_.source == GravitySource::kAttitude) return;
+    if (hint.sigma_rad >= gravity_.sigma_rad && gravity_.source != GravitySource::kAssumed) return;
+    gravity_ = {hint.down_world.normalized(), hint.sigma_rad, GravitySource::kPlane};
+  }
+
+ private:
+  /// A motion from the last pose, believed before the images are looked at.
+  struct Motion {
+    double dt_s = 0.0;
+    Eigen::Isometry3d T_last_left = Eigen::Isometry3d::Identity();
+    Matrix6d covariance = Matrix6d::Zero();
+  };
+
+  PoseEstimate Start(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
+                     const SensorSamples& samples) {
+    const WorldFrame world = LayWorldFrame(config_, mounting_, samples);
+    if (!world.warning.empty()) warnings_.push_back(world.warning);
+    gravity_ = world.gravity;
+    PoseEstimate pose;
+    pose.frame_id = frame.frame_id;
+    pose.t_capture = frame.t_capture;
+    pose.status = TrackingStatus::kTracking;
+    pose.T_world_left = world.T_world_left;
+    AddKeyframe(frame, left, right, pose.T_world_left, {}, {});
+    if (static_cast<int>(window_.landmarks.size()) < config_.min_inliers) {
+      window_ = {};
+      pose.status = TrackingStatus::kLost;
+      pose.reason = "too few features to start from";
+      return pose;
+    }
+    pose.num_matches = pose.num_inliers = static_cast<int>(window_.landmarks.size());
+    Remember(pose);
+    return pose;
+  }
+
+  Motion Predict(Timestamp t_capture, const SensorSamples& samples) const {
+    Motion motion;
+    motion.dt_s = Seconds(t_capture - last_->t_capture);
+    motion.T_last_left.linear() = ExpRotation(rotation_rate_ * motion.dt_s);
+    double rotation_sigma = kModelRotationSigma * motion.dt_s;
+    if (config_.use_imu && mounting_.T_left_imu && !samples.imu.empty()) {
+      Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+      Timestamp t = last_->t_capture;
+      for (const ImuSample& sample : samples.imu) {
+        const Timestamp until = &sample == &samples.imu.back() ? t_capture : sample.t;
+        if (until <= t) continue;
+        R = R * ExpRotation(mounting_.T_left_imu->linear() * sample.gyro * Seconds(until - t));
+        t = until;
+      }
+      motion.T_last_left.linear() = R;
+      rotation_sigma = kGyroRotationSigma * motion.dt_s + 0.002;
+    }
+    motion.T_last_left.translation() =
+        last_->T_world_left.linear().transpose() * velocity_world_ * motion.dt_s;
+    motion.covariance = DiagonalCovariance(rotation_sigma, kModelTranslationSigma * motion.dt_s);
+    return motion;
+  }
+
+  /// Moves everything a little towards where the map wants it.
+  void TakeOverCorrection() {
+    constexpr double kMaxStepM = 0.0005;
+    constexpr double kMaxStepRad = 0.0002;
+    if (!last_ || correction_.isApprox(Eigen::Isometry3d::Identity(), 1e-12)) return;
+    // About the camera, so that a far origin does not turn a small rotation into a large step.
+    Eigen::Isometry3d T_world_here = Eigen::Isometry3d::Identity();
+    T_world_here.translation() = last_->T_world_left.translation();
+    const Eigen::Isometry3d whole = T_world_here.inverse() * correction_ * T_world_here;
+    const Vector6d step = StepBetween(Eigen::Isometry3d::Identity(), whole);
+    const double share = std::min({1.0, kMaxStepM / std::max(step.tail<3>().norm(), 1e-12),
+                                   kMaxStepRad / std::max(step.head<3>().norm(), 1e-12)});
+    const Eigen::Isometry3d move =
+        T_world_here * Perturb(Eigen::Isometry3d::Identity(), share * step) * T_world_here.inverse();
+    for (Keyframe& keyframe : window_.keyframes) keyframe.T_world_left = move * keyframe.T_world_left;
+    last_->T_world_left = move * last_->T_world_left;
+    correction_ = correction_ * move.inverse();
+  }
+
+  std::vector<PoseConstraint> Constraints(const std::vector<Match>& matches) const {
+    std::vector<PoseConstraint> constraints;
+    constraints.reserve(matches.size());
+    for (const Match& match : matches) {
+      const Landmark& landmark = window_.landmarks[static_cast<std::size_t>(match.landmark)];
+      const Eigen::Isometry3d& T_world_host = window_.at(landmark.host).T_world_left;
+      PoseConstraint c;
+      c.point_world =
+          T_world_host.linear() * landmark.ray_host + landmark.inverse_depth * T_world_host.translation();
+      c.inverse_depth = landmark.inverse_depth;
+      c.uvd = match.measurement.uvd;
+      c.whitening =
+          Whitening(match.measurement, match.predicted.uvd_by_inverse_depth, landmark.inverse_depth_sigma);
+      constraints.push_back(c);
+    }
+    return constraints;
+  }
+
+  /// Looks from where the motion model expects the camera; when that fails, wider, and as if nothing had
+  /// moved: at a foot strike the model is wrong.
+  bool FindPose(const ImagePyramid& left, const ImagePyramid& right, const Motion& predicted,
+                std::uint32_t seed, std::vector<Match>& matches, PoseSolution& solution) const {
+    const Eigen::Isometry3d expected = last_->T_world_left * predicted.T_last_left;
+    struct Attempt {
+      Eigen::Isometry3d T_world_left;
+      int start_level;
+    };
+    for (const Attempt& attempt :
+         {Attempt{expected, 2}, Attempt{expected, 3}, Attempt{last_->T_world_left, 3}}) {
+      SearchOptions options;
+      options.start_level = attempt.start_level;
+      matches = tracker_.Track(window_, left, right, attempt.T_world_left, vertical_px_, options);
+      PosePrior prior;
+      prior.T_world_left = attempt.T_world_left;
+      prior.information = predicted.covariance.inverse();
+      solution = SolvePose(Constraints(matches), prior, camera_, seed);
+      if (solution.num_inliers >= config_.min_inliers &&
+          3 * solution.num_inliers >= static_cast<int>(matches.size()))
+        return true;
+    }
+    return false;
+  }
+
+  PoseEstimate Tracked(const StereoFrame& frame, const Motion& predicted, const std::vector<Match>& matches,
+                       const PoseSolution& solution) {
+    PoseEstimate pose;
+    pose.frame_id = frame.frame_id;
+    pose.t_capture = frame.t_capture;
+    pose.status = TrackingStatus::kTracking;
+    pose.T_world_left = solution.T_world_left;
+    pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
+    const Matrix6d own = solution.information.inverse();
+    pose.covariance_prev = own;
+    const Eigen::Isometry3d T_keyframe_left =
+        window_.keyframes.back().T_world_left.inverse() * pose.T_world_left;
+    const Matrix6d transport = ErrorTransport(T_keyframe_left);
+    pose.covariance = transport * keyframe_covariance_ * transport.transpose() + own;
+    pose.num_matches = static_cast<int>(matches.size());
+    pose.num_inliers = solution.num_inliers;
+    pose.rms_px = solution.rms_px;
+    pose.vertical_disparity_px = vertical_px_;
+    if (predicted.dt_s > 0.0) {
+      rotation_rate_ = LogRotation(pose.T_prev_left.linear()) / predicted.dt_s;
+      velocity_world_ =
+          (pose.T_world_left.translation() - last_->T_world_left.translation()) / predicted.dt_s;
+    }
+    bridged_s_ = 0.0;
+    return pose;
+  }
+
+  PoseEstimate Bridged(FrameId frame_id, Timestamp t_capture, const Motion& predicted,
+                       const std::string& reason) {
+    bridged_s_ += predicted.dt_s;
+    PoseEstimate pose;
+    pose.frame_id = frame_id;
+    pose.t_capture = t_capture;
+    pose.status = bridged_s_ <= config_.max_bridging_s ? TrackingStatus::kBridging : TrackingStatus::kLost;
+    pose.reason = reason;
+    pose.T_world_left = last_->T_world_left * predicted.T_last_left;
+    pose.T_prev_left = predicted.T_last_left;
+    pose.covariance_prev = predicted.covariance;
+    const Matrix6d transport = ErrorTransport(predicted.T_last_left);
+    pose.covariance = transport * last_->covariance * transport.transpose() + predicted.covariance;
+    pose.vertical_disparity_px = vertical_px_;
+    // A motion that nobody sees dies down.
+    constexpr double kDecayPerSecond = 0.3;
+    velocity_world_ *= std::pow(kDecayPerSecond, predicted.dt_s);
+    rotation_rate_ *= std::pow(kDecayPerSecond, predicted.dt_s);
+    Remember(pose);
+    return pose;
+  }
+
+  void Remember(const PoseEstimate& pose) { last_ = pose; }
+
+  void UpdateVertical(const std::vector<Match>& matches, const PoseSolution& solution) {
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < matches.size(); ++i)
+      if (solution.inlier[i] && matches[i].measurement.has_disparity)
+        errors.push_back(matches[i].vertical_px);
+    constexpr std::size_t kEnough = 20;
+    if (errors.size() < kEnough) return;
+    std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
+                     errors.end());
+    constexpr double kRate = 0.03;
+    vertical_px_ += kRate * (errors[errors.size() / 2] - vertical_px_);
+    if (std::abs(vertical_px_) > config_.max_vertical_disparity_px && !warned_of_vertical_) {
+      warned_of_vertical_ = true;
+      warnings_.push_back("the right image lies " + std::to_string(vertical_px_) +
+                          " px lower than the calibration says: calibrate the cameras again");
+    }
+  }
+
+  void CountFailures(const std::vector<Match>& matches, const PoseSolution& solution) {
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      int& failures = window_.landmarks[static_cast<std::size_t>(matches[i].landmark)].num_failures;
+      failures = solution.inlier[i] ? 0 : failures + 1;
+    }
+  }
+
+  bool NeedsKeyframe(const std::vector<Match>& matches, const PoseSolution& solution) const {
+    const Keyframe& newest = window_.keyframes.back();
+    const double distance = (solution.T_world_left.translation() - newest.T_world_left.translation()).norm();
+    std::vector<bool> held(static_cast<std::size_t>(grid_.num_cells()), false);
+    std::vector<double> inverse_depths;
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      if (!solution.inlier[i]) continue;
+      held[static_cast<std::size_t>(
+          grid_.CellOf(matches[i].measurement.uvd.x(), matches[i].measurement.uvd.y()))] = true;
+      inverse_depths.push_back(matches[i].predicted.uvd.z() / (camera_.fx * camera_.baseline_m));
+    }
+    const double coverage = static_cast<double>(std::count(held.begin(), held.end(), true)) / covered_cells_;
+    if (coverage < config_.keyframe_min_coverage) return true;
+    auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
+    std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
+    return distance * *middle > config_.keyframe_parallax;
+  }
+
+  void AddKeyframe(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
+                   const Eigen::Isometry3d& T_world_left, const std::vector<Match>& matches,
+                   const PoseSolution& solution) {
+    Keyframe keyframe;
+    keyframe.id = next_keyframe_id_++;
+    keyframe.frame_id = frame.frame_id;
+    keyframe.t_capture = frame.t_capture;
+    keyframe.T_world_left = T_world_left;
+    keyframe.left = left;
+
+    // Cells where a landmark is seen much as in its host need no new one.
+    constexpr double kSameScale = 1.4;
+    std::vector<bool> occupied(static_cast<std::size_t>(grid_.num_cells()), false);
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      if (!solution.inlier[i]) continue;
+      const StereoMeasurement& m = matches[i].measurement;
+      window_.landmarks[static_cast<std::size_t>(matches[i].landmark)].observations.push_back(
+          {keyframe.id, m});
+      if (matches[i].scale < kSameScale && matches[i].scale > 1.0 / kSameScale)
+        occupied[static_cast<std::size_t>(grid_.CellOf(m.uvd.x(), m.uvd.y()))] = true;
+    }
+    if (!window_.keyframes.empty()) {
+      const Eigen::Isometry3d T_keyframe_left =
+          window_.keyframes.back().T_world_left.inverse() * T_world_left;
+      const Matrix6d transport = ErrorTransport(T_keyframe_left);
+      keyframe_covariance_ =
+          transport * keyframe_covariance_ * transport.transpose() + solution.information.inverse();
+    }
+    window_.keyframes.push_back(std::move(keyframe));
+    for (Landmark& landmark : finder_.Find(left, right, occupied, vertical_px_)) {
+      landmark.id = next_landmark_id_++;
+      landmark.host = window_.keyframes.back().id;
+      window_.landmarks.push_back(std::move(landmark));
+    }
+    if (static_cast<int>(window_.keyframes.size()) > config_.window_keyframes) window_.keyframes.pop_front();
+    const KeyframeId oldest = window_.keyframes.front().id;
+    constexpr int kMaxFailures = 3;
+    std::erase_if(window_.landmarks, [&](const Landmark& landmark) {
+      return landmark.host < oldest || landmark.num_failures >= kMaxFailures;
+    });
+
+    std::vector<bool> covered = occupied;
+    for (const Landmark& landmark : window_.landmarks)
+      if (landmark.host == window_.keyframes.back().id)
+        covered[static_cast<std::size_t>(grid_.CellOf(landmark.pixel_host.x(), landmark.pixel_host.y()))] =
+            true;
+    covered_cells_ =
+        std::max<double>(1.0, static_cast<double>(std::count(covered.begin(), covered.end(), true)));
+  }
+
+  OdometryConfig config_;
+  StereoCamera camera_;
+  Mounting mounting_;
+  FeatureGrid grid_;
+  LandmarkTracker tracker_;
+  FeatureFinder finder_;
+
+  Window window_;
+  KeyframeId next_keyframe_id_ = 0;
+  std::int64_t next_landmark_id_ = 0;
+  double covered_cells_ = 1.0;                       ///< cells with a landmark just after the newest keyframe
+  Matrix6d keyframe_covariance_ = Matrix6d::Zero();  ///< of the newest keyframe against the first pose
+
+  std::optional<PoseEstimate> last_;
+  Eigen::Vector3d velocity_world_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rotation_rate_ = Eigen::Vector3d::Zero();
+  double bridged_s_ = 0.0;
+
+  Eigen::Isometry3d correction_ = Eigen::Isometry3d::Identity();  ///< still to be taken over
+  Gravity gravity_;
+  double vertical_px_ = 0.0;
+  bool warned_of_vertical_ = false;
+  std::vector<std::string> warnings_;
+};
+
+VisualOdometry::VisualOdometry(const OdometryConfig& config, const StereoCamera& camera,
+                               const Mounting& mounting)
+    : impl_(std::make_unique<Impl>(config, camera, mounting)) {}
+VisualOdometry::~VisualOdometry() = default;
+
+PoseEstimate VisualOdometry::Track(const StereoFrame& frame, const SensorSamples& samples) {
+  return impl_->Track(frame, samples);
+}
+PoseEstimate VisualOdometry::Bridge(FrameId frame_id, Timestamp t_capture, const SensorSamples& samples,
+                                    const std::string& reason) {
+  return impl_->Bridge(frame_id, t_capture, samples, reason);
+}
+const Gravity& VisualOdometry::gravity() const { return impl_->gravity(); }
+const std::vector<std::string>& VisualOdometry::warnings() const { return impl_->warnings(); }
+void VisualOdometry::Apply(const PoseCorrection& correction) { impl_->Apply(correction); }
+void VisualOdometry::Apply(const GravityHint& hint) { impl_->Apply(hint); }
+
+}  // namespace terrace

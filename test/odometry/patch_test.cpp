@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/patch.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "textured_image.h"
+
+namespace terrace {
+namespace {
+
+template <typename Grey>
+cv::Mat1b Render(Grey grey) {
+  cv::Mat1b image(80, 120);
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) image(v, u) = cv::saturate_cast<std::uint8_t>(grey(u, v));
+  return image;
+}
+
+TEST(PatchTest, FindsAShiftToAFewHundredthsOfAPixelUnderOtherBrightnessAndContrast) {
+  const cv::Mat1b first = Render([](double u, double v) { return Texture(u, v); });
+  const cv::Mat1b second = Render([](double u, double v) { return 0.6 * Texture(u - 1.3, v + 0.7) + 40.0; });
+  PatchTemplate patch;
+  ASSERT_TRUE(ExtractTemplate(first, {60, 40}, Eigen::Matrix2f::Identity(), patch));
+  Alignment found;
+  ASSERT_TRUE(Align(second, patch, {60, 40}, 10, 5.0f, found));
+  EXPECT_NEAR(found.position.x(), 61.3, 0.05);
+  EXPECT_NEAR(found.position.y(), 39.3, 0.05);
+  EXPECT_NEAR(found.gain, 0.6, 0.03);
+  EXPECT_GT(found.agreement, 0.98f);
+}
+
+TEST(PatchTest, FindsAWarpedPatchWhenTheWarpIsKnown) {
+  Eigen::Matrix2f A;  // from the second image to the first
+  A << 0.8f, 0.1f, -0.05f, 1.2f;
+  const cv::Mat1b first = Render([](double u, double v) { return Texture(u, v); });
+  const cv::Mat1b second = Render([&](double u, double v) {
+    const Eigen::Vector2f p =
+        A * Eigen::Vector2f(static_cast<float>(u) - 50.5f, static_cast<float>(v) - 41.0f);
+    return Texture(60.0 + p.x(), 40.0 + p.y());
+  });
+  PatchTemplate patch;
+  ASSERT_TRUE(ExtractTemplate(first, {60, 40}, A, patch));
+  Alignment found;
+  ASSERT_TRUE(Align(second, patch, {51, 40}, 10, 5.0f, found));
+  EXPECT_NEAR(found.position.x(), 50.5, 0.05);
+  EXPECT_NEAR(found.position.y(), 41.0, 0.05);
+}
+
+TEST(PatchTest, RefusesAPatchWithoutACornerOrOutsideTheImage) {
+  const cv::Mat1b edge = Render([](double u, double) { return u < 60 ? 50.0 : 150.0; });
+  PatchTemplate patch;
+  EXPECT_FALSE(ExtractTemplate(edge, {60, 40}, Eigen::Matrix2f::Identity(), patch));
+  const cv::Mat1b image = Render([](double u, double v) { return Texture(u, v); });
+  EXPECT_FALSE(ExtractTemplate(image, {3, 40}, Eigen::Matrix2f::Identity(), patch));
+}
+
+TEST(PatchTest, FitsDisparityAndSlantTogether) {
+  // Disparity 12.4 px at (60, 40), growing by 0.25 px a row, as on a floor seen from a low camera.
+  const cv::Mat1b left = Render([](double u, double v) { return Texture(u, v); });
+  const cv::Mat1b right = Render(
+      [](double u, double v) { return Texture((u + 12.4 + 0.25 * (v - 40.0) - 0.05 * 60.0) / 0.95, v); });
+  StereoAlignment found;
+  found.disparity_px = 11.0f;
+  ASSERT_TRUE(AlignStereo(left, right, {60, 40}, 0.0f, found));
+  EXPECT_NEAR(found.disparity_px, 12.4, 0.05);
+  EXPECT_NEAR(found.gradient_u, 0.05, 0.02);
+  EXPECT_NEAR(found.gradient_v, 0.25, 0.02);
+  EXPECT_NEAR(found.vertical_px, 0.0, 0.05);
+}
+
+}  // namespace
+}  // namespace terrace
