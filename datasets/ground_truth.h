@@ -33,8 +33,9 @@ struct TrueTrajectory {
 /// True when the sequence comes with true poses.
 bool HasTrueTrajectory(const std::filesystem::path& sequence);
 
-/// The true poses of a sequence: the body states of an EuRoC folder, else its `groundtruth_tum.txt` (raw left
-/// camera), or the `poses.txt` of a KITTI folder (rectified left camera). Throws FileError.
+/// The true poses of a sequence: the `groundtruth_tum.txt` of an EuRoC folder (raw left camera, at the times of
+/// the frames), else its body states, or the `poses.txt` of a KITTI folder (rectified left camera). Throws
+/// FileError.
 TrueTrajectory LoadTrueTrajectory(const std::filesystem::path& sequence);
 
 /// Cells of a true polygon that some frame saw within 5 m; none (nx = 0) when no frame did.

@@ -107,12 +107,12 @@ bool HasTrueTrajectory(const fs::path& sequence) {
 
 TrueTrajectory LoadTrueTrajectory(const fs::path& sequence) {
   std::error_code error;
-  if (fs::exists(BodyStates(sequence), error)) return LoadBodyStates(BodyStates(sequence));
   if (fs::exists(RawLeftPoses(sequence), error)) return LoadRawLeftPoses(RawLeftPoses(sequence));
+  if (fs::exists(BodyStates(sequence), error)) return LoadBodyStates(BodyStates(sequence));
   if (fs::exists(KittiPoses(sequence), error)) return LoadKittiPoses(sequence);
   throw FileError(sequence.string() +
-                  ": has no true poses, neither mav0/state_groundtruth_estimate0/data.csv nor "
-                  "groundtruth_tum.txt nor poses.txt");
+                  ": has no true poses, neither groundtruth_tum.txt nor "
+                  "mav0/state_groundtruth_estimate0/data.csv nor poses.txt");
 }
 
 }  // namespace terrace
