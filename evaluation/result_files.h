@@ -91,7 +91,7 @@ struct ReplayResult {
   ReplayStats stats;
 };
 
-// Each throws FileError (datasets/json_value.h) with the file, the place and the rule that is broken.
+// Each throws FileError (datasets/file_bytes.h) with the file, the place and the rule that is broken.
 ReplayResult ReadReplayResult(const std::filesystem::path& folder);
 std::vector<ResultPose> ReadTrajectoryFile(const std::filesystem::path& path);
 TerrainMap ReadTerrainMapFile(const std::filesystem::path& path);

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "datasets/json_value.h"
+#include "datasets/file_bytes.h"
 
 namespace terrace {
 namespace {
@@ -88,7 +88,7 @@ TEST_F(ResultFilesTest, NamesFilePlaceAndRuleOfWhatIsWrong) {
   EXPECT_THAT(ErrorOf([&] { ReadFramesFile(short_line); }), HasSubstr("frames.jsonl:1: reason is missing"));
 
   EXPECT_THAT(ErrorOf([&] { ReadStatsFile(folder_ / "stats.json"); }),
-              HasSubstr("stats.json: cannot be read"));
+              HasSubstr("stats.json: no such file"));
 }
 
 TEST_F(ResultFilesTest, ReadsFramesWithAndWithoutCovariance) {
