@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polygonization/cell_modeller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "core/check.h"
+
+namespace terrace {
+namespace {
+
+/// A surface is not seen from behind, and hardly edge on: cosine between the normal and the way to the
+/// camera.
+constexpr float kLeastFacing = 0.03F;
+/// Neighbouring pixels err alike; this many of them say as much as one alone.
+constexpr float kCorrelatedPoints = 8.0F;
+/// Share of the error that all points of a frame have in common (the pose), per frame.
+constexpr float kFrameSigma_m = 0.002F;
+/// A leaf that stands across a plane has a spread of size / sqrt(12) along the normal; one that lies in it
+/// has only noise. Half the variance tells them apart.
+constexpr float kAcross = 0.5F / 12.0F;
+constexpr int kRefits = 3;
+
+/// A small generator with the same numbers on every system (SplitMix64, Steele et al. 2014).
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  int Below(int limit) {
+    state_ += 0x9E3779B97F4A7C15ULL;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+    z ^= z >> 31;
+    return static_cast<int>((z >> 33) % static_cast<std::uint64_t>(limit));
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+std::uint64_t SeedOf(const CellKey& key) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(key.x)) << 42) ^
+         (static_cast<std::uint64_t>(static_cast<std::uint32_t>(key.y)) << 21) ^
+         static_cast<std::uint64_t>(static_cast<std::uint32_t>(key.z));
+}
+
+/// A plane relative to the centre of the cell.
+struct CellPlane {
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
+  float offset = 0.0F;
+};
+
+/// Fits the planes of one cell, one after the other, each to what the ones before left over.
+class CellFit {
+ public:
+  CellFit(const ModellingConfig& config, const std::vector<Surfel>& surfels, std::uint64_t seed)
+      : config_(config), surfels_(surfels), random_(seed) {}
+
+  std::vector<Patch> Run() {
+    std::vector<Patch> patches;
+    std::vector<int> rest(surfels_.size());
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = static_cast<int>(i);
+    for (int k = 0; k < config_.max_planes && rest.size() >= 3; ++k) {
+      std::optional<CellPlane> plane = BestHypothesis(rest);
+      if (!plane) break;
+      std::vector<int> inliers;
+      PlaneMoments moments;
+      for (int refit = 0; refit < kRefits && plane; ++refit) plane = Refit(rest, *plane, &moments);
+      if (!plane) break;
+      std::vector<int> left;
+      for (const int i : rest) (Belongs(surfels_[i], *plane) ? inliers : left).push_back(i);
+      Patch patch = MakePatch(*plane, moments, inliers);
+      if (patch.area_m2 < config_.min_patch_area_m2) break;
+      patches.push_back(std::move(patch));
+      rest = std::move(left);
+    }
+    return patches;
+  }
+
+ private:
+  float Facing(const Surfel& s, const CellPlane& plane) const { return -plane.normal.dot(s.view); }
+
+  /// Squared distance of the mean, in units of what is allowed.
+  float Cost(const Surfel& s, const CellPlane& plane) const {
+    const float facing = Facing(s, plane);
+    if (facing < kLeastFacing) return 1.0F;
+    const float distance = plane.normal.dot(s.mean) - plane.offset;
+    const float allowed = Allowed(s, facing);
+    return std::min(1.0F, distance * distance / (allowed * allowed));
+  }
+  float Allowed(const Surfel& s, float facing) const {
+    return std::clamp(3.0F * s.sigma_view_m * facing, static_cast<float>(config_.inlier_distance_m),
+                      static_cast<float>(config_.max_inlier_distance_m));
+  }
+  bool Belongs(const Surfel& s, const CellPlane& plane) const {
+    if (Cost(s, plane) >= 1.0F) return false;
+    const float noise = s.sigma_view_m * Facing(s, plane);
+    const float spread = plane.normal.dot(s.covariance * plane.normal);
+    return spread < 2.0F * noise * noise + kAcross * s.size_m * s.size_m;
+  }
+  /// 1 / variance of the leaf's mean along the normal.
+  float Information(const Surfel& s, float facing) const {
+    const float noise = s.sigma_view_m * facing;
+    return 1.0F /
+           (noise * noise * kCorrelatedPoints / s.num_points + kFrameSigma_m * kFrameSigma_m / s.num_frames);
+  }
+
+  std::optional<CellPlane> Through(int a, int b, int c) const {
+    const Eigen::Vector3f& p = surfels_[a].mean;
+    const Eigen::Vector3f cross = (surfels_[b].mean - p).cross(surfels_[c].mean - p);
+    const float length = cross.norm();
+    const float least = 0.5F * surfels_[a].size_m * surfels_[a].size_m;
+    if (!(length > least)) return std::nullopt;
+    CellPlane plane;
+    plane.normal = cross / length;
+    if (plane.normal.dot(surfels_[a].view) > 0.0F) plane.normal = -plane.normal;
+    plane.offset = plane.normal.dot(p);
+    return plane;
+  }
+
+  /// RMSAC: hypotheses are tried on a few leaves; only the most promising on all. A leaf counts by its area.
+  std::optional<CellPlane> BestHypothesis(const std::vector<int>& rest) {
+    const int n = static_cast<int>(rest.size());
+    std::vector<int> sample;
+    if (n <= config_.num_pretest) {
+      sample = rest;
+    } else {
+      for (int i = 0; i < config_.num_pretest; ++i) sample.push_back(rest[random_.Below(n)]);
+    }
+    std::vector<std::pair<float, CellPlane>> tried;
+    for (int h = 0; h < config_.num_hypotheses; ++h) {
+      const std::optional<CellPlane> plane =
+          Through(rest[random_.Below(n)], rest[random_.Below(n)], rest[random_.Below(n)]);
+      if (plane) tried.emplace_back(TotalCost(sample, *plane), *plane);
+    }
+    if (tried.empty()) return std::nullopt;
+    std::stable_sort(tried.begin(), tried.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    constexpr std::size_t kFinalists = 3;
+    std::optional<CellPlane> best;
+    float best_cost = 0.0F;
+    for (std::size_t i = 0; i < std::min(kFinalists, tried.size()); ++i) {
+      const float cost = TotalCost(rest, tried[i].second);
+      if (best && cost >= best_cost) continue;
+      best = tried[i].second;
+      best_cost = cost;
+    }
+    return best;
+  }
+  float TotalCost(const std::vector<int>& indices, const CellPlane& plane) const {
+    float cost = 0.0F;
+    for (const int i : indices) cost += surfels_[i].size_m * surfels_[i].size_m * Cost(surfels_[i], plane);
+    return cost;
+  }
+
+  /// Weighted least squares; Tukey's weight lets go of what lies near the limit.
+  std::optional<CellPlane> Refit(const std::vector<int>& rest, const CellPlane& plane,
+                                 PlaneMoments* moments) const {
+    *moments = {};
+    int num = 0;
+    for (const int i : rest) {
+      const Surfel& s = surfels_[i];
+      const float cost = Cost(s, plane);
+      if (cost >= 1.0F || !Belongs(s, plane)) continue;
+      const float robust = (1.0F - cost) * (1.0F - cost);
+      moments->Add(static_cast<double>(robust * Information(s, Facing(s, plane))), s.mean.cast<double>());
+      ++num;
+    }
+    if (num < 3 || !(moments->weight > 0.0)) return std::nullopt;
+    const Plane fit = moments->Fit(plane.normal.cast<double>());
+    if (!(fit.normal.dot(plane.normal.cast<double>()) > 0.5)) return std::nullopt;
+    return CellPlane{fit.normal.cast<float>(), static_cast<float>(fit.offset_m)};
+  }
+
+  Patch MakePatch(const CellPlane& plane, const PlaneMoments& moments,
+                  const std::vector<int>& inliers) const {
+    Patch patch;
+    patch.plane_world = {plane.normal.cast<double>().normalized(), static_cast<double>(plane.offset)};
+    patch.moments = moments;
+    const PlaneAxes axes = AxesOf(patch.plane_world.normal);
+    Eigen::Matrix<float, 3, 2> basis;
+    basis << axes.x.cast<float>(), axes.y.cast<float>();
+    for (const int i : inliers) {
+      const Surfel& s = surfels_[i];
+      patch.footprints.push_back(FootprintOf(s, plane, basis));
+      patch.area_m2 += static_cast<double>(4.0F * patch.footprints.back().half_x.norm() *
+                                           patch.footprints.back().half_y.norm());
+      patch.num_frames += static_cast<double>(s.num_frames);
+    }
+    if (!inliers.empty()) patch.num_frames /= static_cast<double>(inliers.size());
+    return patch;
+  }
+
+  /// Points spread evenly over a rectangle have a standard deviation of half its edge / sqrt(3): so the
+  /// spread of a leaf's points tells how far the surface reaches into the leaf, more finely than the leaf
+  /// itself.
+  static Footprint FootprintOf(const Surfel& s, const CellPlane& plane,
+                               const Eigen::Matrix<float, 3, 2>& basis) {
+    const Eigen::Matrix2f c = basis.transpose() * s.covariance * basis;
+    const float mean = 0.5F * (c(0, 0) + c(1, 1));
+    const float half_difference = 0.5F * (c(0, 0) - c(1, 1));
+    const float root = std::sqrt(half_difference * half_difference + c(0, 1) * c(0, 1));
+    const float angle = 0.5F * std::atan2(c(0, 1), half_difference);
+    const Eigen::Vector2f major(std::cos(angle), std::sin(angle));
+    const Eigen::Vector2f minor(-major.y(), major.x());
+    const auto half = [&](float variance) {
+      // Each point stands for the half pixel around it, too.
+      const float extent = std::sqrt(3.0F * std::max(0.0F, variance)) + 0.5F * s.spacing_m;
+      return std::min(extent, 0.75F * s.size_m);
+    };
+    Footprint footprint;
+    footprint.centre = s.mean - (plane.normal.dot(s.mean) - plane.offset) * plane.normal;
+    footprint.half_x = basis * major * half(mean + root);
+    footprint.half_y = basis * minor * half(mean - root);
+    return footprint;
+  }
+
+  const ModellingConfig& config_;
+  const std::vector<Surfel>& surfels_;
+  Random random_;
+};
+
+}  // namespace
+
+std::vector<std::string> ModellingConfig::Problems() const {
+  std::vector<std::string> problems;
+  if (!(inlier_distance_m > 0.0)) problems.push_back("modelling.inlier_distance_m must be above 0");
+  if (!(max_inlier_distance_m >= inlier_distance_m))
+    problems.push_back("modelling.max_inlier_distance_m must be at least modelling.inlier_distance_m");
+  if (!(min_patch_area_m2 >= 0.0)) problems.push_back("modelling.min_patch_area_m2 must not be negative");
+  if (max_planes < 1 || max_planes > 100)
+    problems.push_back("modelling.max_planes must be between 1 and 100");
+  if (num_hypotheses < 1 || num_hypotheses > 10000)
+    problems.push_back("modelling.num_hypotheses must be between 1 and 10000");
+  if (num_pretest < 3) problems.push_back("modelling.num_pretest must be at least 3");
+  return problems;
+}
+
+CellModeller::CellModeller(const ModellingConfig& config) : config_(config) {
+  TERRACE_CHECK(config.Problems().empty());
+}
+
+PatchUpdate CellModeller::Fit(const TerrainOctree& octree, const ChangedCells& cells) const {
+  PatchUpdate update{cells.frame_id, cells.t_capture, {}};
+  update.cells.resize(cells.keys.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells.keys.size()), [&](const auto& range) {
+    std::vector<Surfel> surfels;
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      PatchUpdate::CellPatches& cell = update.cells[i];
+      cell.key = cells.keys[i];
+      cell.centre_world = octree.CellCentre(cell.key);
+      octree.CollectSurfels(cell.key, &surfels);
+      cell.patches = CellFit(config_, surfels, SeedOf(cell.key)).Run();
+      for (Patch& patch : cell.patches)
+        patch.plane_world.offset_m += patch.plane_world.normal.dot(cell.centre_world);
+    }
+  });
+  return update;
+}
+
+}  // namespace terrace

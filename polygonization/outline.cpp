@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polygonization/outline.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include <opencv2/imgproc.hpp>
+
+namespace terrace {
+namespace {
+
+constexpr double kMaxPixels = 4e6;
+
+double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+int RadiusPx(double width_m, double pixel_m) { return static_cast<int>(std::floor(0.5 * width_m / pixel_m)); }
+
+cv::Mat Disk(int radius) {
+  return cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius + 1, 2 * radius + 1));
+}
+
+/// Two pixels of one piece that touch at a corner only would make a ring touch itself: fills one of the
+/// others.
+void FillDiagonals(cv::Mat1b* image) {
+  for (bool again = true; again;) {
+    again = false;
+    for (int y = 0; y + 1 < image->rows; ++y) {
+      std::uint8_t* row = image->ptr(y);
+      std::uint8_t* next = image->ptr(y + 1);
+      for (int x = 0; x + 1 < image->cols; ++x) {
+        if (row[x] != next[x + 1] || row[x + 1] != next[x] || row[x] == row[x + 1]) continue;
+        (row[x] ? row[x + 1] : row[x]) = 255;
+        again = true;
+      }
+    }
+  }
+}
+
+/// The edges between a label's pixels and the others, as closed rings along pixel corners with the label on
+/// the left (y grows upwards): counter-clockwise outside, clockwise around holes.
+class CrackTracer {
+ public:
+  CrackTracer(const cv::Mat1i& labels, int label, const cv::Rect& box)
+      : labels_(labels), label_(label), box_(box), width_(box.width + 1) {}
+
+  std::vector<std::vector<cv::Point>> Trace() {
+    out_.assign(static_cast<std::size_t>(width_) * (box_.height + 1), 0);
+    for (int y = box_.y; y < box_.y + box_.height; ++y) {
+      for (int x = box_.x; x < box_.x + box_.width; ++x) {
+        if (!Inside(x, y)) continue;
+        if (!Inside(x, y - 1)) Out(x, y) |= 1U << kEast;
+        if (!Inside(x + 1, y)) Out(x + 1, y) |= 1U << kNorth;
+        if (!Inside(x, y + 1)) Out(x + 1, y + 1) |= 1U << kWest;
+        if (!Inside(x - 1, y)) Out(x, y + 1) |= 1U << kSouth;
+      }
+    }
+    std::vector<std::vector<cv::Point>> rings;
+    for (int y = box_.y; y <= box_.y + box_.height; ++y)
+      for (int x = box_.x; x <= box_.x + box_.width; ++x)
+        while (Out(x, y) != 0) rings.push_back(Follow(x, y));
+    return rings;
+  }
+
+ private:
+  enum Direction { kEast, kNorth, kWest, kSouth };
+
+  bool Inside(int x, int y) const {
+    return x >= 0 && y >= 0 && x < labels_.cols && y < labels_.rows && labels_(y, x) == label_;
+  }
+  std::uint8_t& Out(int x, int y) {
+    return out_[static_cast<std::size_t>(y - box_.y) * width_ + (x - box_.x)];
+  }
+  /// Corners only, where the direction changes.
+  std::vector<cv::Point> Follow(int x, int y) {
+    static constexpr std::array<int, 4> kDx{1, 0, -1, 0};
+    static constexpr std::array<int, 4> kDy{0, 1, 0, -1};
+    std::vector<cv::Point> ring;
+    int last = -1;
+    while (Out(x, y) != 0) {
+      int direction = 0;
+      while ((Out(x, y) >> direction & 1U) == 0) ++direction;
+      Out(x, y) = static_cast<std::uint8_t>(Out(x, y) & ~(1U << direction));
+      if (direction != last) ring.emplace_back(x, y);
+      last = direction;
+      x += kDx[direction];
+      y += kDy[direction];
+    }
+    // The walk may have begun in the middle of a straight edge.
+    if (ring.size() > 2) {
+      const cv::Point a = ring.back(), b = ring.front(), c = ring[1];
+      if ((a.x == b.x && b.x == c.x) || (a.y == b.y && b.y == c.y)) ring.erase(ring.begin());
+    }
+    return ring;
+  }
+
+  const cv::Mat1i& labels_;
+  const int label_;
+  const cv::Rect box_;
+  const int width_;
+  std::vector<std::uint8_t> out_;
+};
+
+double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d d = b - a;
+  const double length2 = d.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - t * d).norm();
+}
+
+/// Douglas and Peucker on the open chain first..last (indices that may run past the end of the ring).
+void KeepFarVertices(const Ring2& ring, int first, int last, double tolerance, std::vector<bool>* keep) {
+  const int n = static_cast<int>(ring.size());
+  int farthest = -1;
+  double distance = tolerance;
+  for (int i = first + 1; i < last; ++i) {
+    const double d = DistanceToSegment(ring[i % n], ring[first % n], ring[last % n]);
+    if (d > distance) {
+      distance = d;
+      farthest = i;
+    }
+  }
+  if (farthest < 0) return;
+  (*keep)[farthest % n] = true;
+  KeepFarVertices(ring, first, farthest, tolerance, keep);
+  KeepFarVertices(ring, farthest, last, tolerance, keep);
+}
+
+struct Line2 {
+  Eigen::Vector2d point;
+  Eigen::Vector2d direction;
+};
+
+/// Line of least squares through the middles of the little edges from vertex `first` to `last`, by their
+/// length.
+Line2 FitLine(const Ring2& ring, int first, int last) {
+  const int n = static_cast<int>(ring.size());
+  const Eigen::Vector2d start = ring[first % n], end = ring[last % n];
+  double weight = 0.0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d outer = Eigen::Matrix2d::Zero();
+  for (int i = first; i < last; ++i) {
+    const Eigen::Vector2d a = ring[i % n] - start, b = ring[(i + 1) % n] - start;
+    const double w = (b - a).norm();
+    const Eigen::Vector2d middle = 0.5 * (a + b);
+    weight += w;
+    sum += w * middle;
+    outer += w * (middle * middle.transpose() + (b - a) * (b - a).transpose() / 12.0);
+  }
+  const Eigen::Vector2d mean = sum / weight;
+  const Eigen::Matrix2d c = outer / weight - mean * mean.transpose();
+  const double angle = 0.5 * std::atan2(2.0 * c(0, 1), c(0, 0) - c(1, 1));
+  Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+  if (direction.dot(end - start) < 0.0) direction = -direction;
+  return {start + mean, direction};
+}
+
+int Sign(double value) { return value > 0.0 ? 1 : value < 0.0 ? -1 : 0; }
+
+bool OnSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return p.x() <= std::max(a.x(), b.x()) && p.x() >= std::min(a.x(), b.x()) &&
+         p.y() <= std::max(a.y(), b.y()) && p.y() >= std::min(a.y(), b.y());
+}
+
+bool SegmentsTouch(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
+                   const Eigen::Vector2d& d) {
+  if (std::max(a.x(), b.x()) < std::min(c.x(), d.x()) || std::max(c.x(), d.x()) < std::min(a.x(), b.x()) ||
+      std::max(a.y(), b.y()) < std::min(c.y(), d.y()) || std::max(c.y(), d.y()) < std::min(a.y(), b.y()))
+    return false;
+  const int s1 = Sign(Cross(b - a, c - a)), s2 = Sign(Cross(b - a, d - a));
+  const int s3 = Sign(Cross(d - c, a - c)), s4 = Sign(Cross(d - c, b - c));
+  if (s1 != s2 && s3 != s4) return true;
+  return (s1 == 0 && OnSegment(c, a, b)) || (s2 == 0 && OnSegment(d, a, b)) ||
+         (s3 == 0 && OnSegment(a, c, d)) || (s4 == 0 && OnSegment(b, c, d));
+}
+
+}  // namespace
+
+double SignedArea(const Ring2& ring) {
+  double twice = 0.0;
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    twice += Cross(ring[i] - ring[0], ring[(i + 1) % ring.size()] - ring[0]);
+  return 0.5 * twice;
+}
+
+bool AreSimple(const std::vector<const Ring2*>& rings) {
+  struct Edge {
+    Eigen::Vector2d a, b;
+    std::size_t ring, index, count;
+    double low_x;
+  };
+  std::vector<Edge> edges;
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    const Ring2& ring = *rings[r];
+    if (ring.size() < 3) return false;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Eigen::Vector2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
+      edges.push_back({a, b, r, i, ring.size(), std::min(a.x(), b.x())});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& l, const Edge& r) { return l.low_x < r.low_x; });
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Edge& e = edges[i];
+    if (e.a == e.b) return false;
+    const double high_x = std::max(e.a.x(), e.b.x());
+    for (std::size_t j = i + 1; j < edges.size() && edges[j].low_x <= high_x; ++j) {
+      const Edge& f = edges[j];
+      if (e.ring == f.ring && (e.index + 1) % e.count == f.index) {
+        if (e.b - e.a == -(f.b - f.a) ||
+            (Cross(e.b - e.a, f.b - f.a) == 0.0 && (e.b - e.a).dot(f.b - f.a) < 0.0))
+          return false;  // turns back on itself
+        continue;
+      }
+      if (e.ring == f.ring && (f.index + 1) % f.count == e.index) {
+        if (Cross(f.b - f.a, e.b - e.a) == 0.0 && (f.b - f.a).dot(e.b - e.a) < 0.0) return false;
+        continue;
+      }
+      if (SegmentsTouch(e.a, e.b, f.a, f.b)) return false;
+    }
+  }
+  return true;
+}
+
+Ring2 Simplify(const Ring2& ring, double tolerance) {
+  const int n = static_cast<int>(ring.size());
+  if (n <= 4) return ring;
+  // The chain is cut at two vertices far apart, which no simplification would drop.
+  int a = 0;
+  for (int i = 1; i < n; ++i)
+    if (ring[i].x() + ring[i].y() < ring[a].x() + ring[a].y()) a = i;
+  int b = a;
+  for (int i = 0; i < n; ++i)
+    if ((ring[i] - ring[a]).squaredNorm() > (ring[b] - ring[a]).squaredNorm()) b = i;
+  std::vector<bool> keep(ring.size(), false);
+  keep[a] = keep[b] = true;
+  const int second = b > a ? b : b + n;
+  KeepFarVertices(ring, a, second, tolerance, &keep);
+  KeepFarVertices(ring, second, a + n, tolerance, &keep);
+  std::vector<int> kept;
+  for (int i = 0; i < n; ++i)
+    if (keep[i]) kept.push_back(i);
+  const int m = static_cast<int>(kept.size());
+  if (m < 3) return {};
+  // A traced edge runs along pixels; the line fitted to it is finer than they are.
+  std::vector<Line2> lines;
+  for (int i = 0; i < m; ++i) lines.push_back(FitLine(ring, kept[i], i + 1 < m ? kept[i + 1] : kept[0] + n));
+  Ring2 result;
+  for (int i = 0; i < m; ++i) {
+    const Line2& before = lines[(i + m - 1) % m];
+    const Line2& after = lines[i];
+    Eigen::Vector2d vertex = ring[kept[i]];
+    const double sine = Cross(before.direction, after.direction);
+    if (std::abs(sine) > 0.2) {
+      const double t = Cross(after.point - before.point, after.direction) / sine;
+      const Eigen::Vector2d meeting = before.point + t * before.direction;
+      if ((meeting - vertex).norm() < 2.0 * tolerance) vertex = meeting;
+    }
+    result.push_back(vertex);
+  }
+  return result;
+}
+
+OutlineTracer::OutlineTracer(const OutlineSettings& settings, const Eigen::Vector2d& low,
+                             const Eigen::Vector2d& high)
+    : settings_(settings), pixel_m_(settings.resolution_m) {
+  const Eigen::Vector2d size = high - low;
+  while ((size.x() / pixel_m_ + 1.0) * (size.y() / pixel_m_ + 1.0) > kMaxPixels) pixel_m_ *= 2.0;
+  // A margin, so that closing never meets the border. Pixels lie on a grid fixed in the plane: an outline
+  // does not shiver when the plane's extent grows.
+  const int margin = RadiusPx(settings.max_gap_m, pixel_m_) + 2;
+  low_ = pixel_m_ * ((low / pixel_m_).array().floor() - margin).matrix();
+  const Eigen::Vector2d num = ((high - low_) / pixel_m_).array().ceil() + margin;
+  filled_ = cv::Mat1b::zeros(static_cast<int>(num.y()), static_cast<int>(num.x()));
+}
+
+void OutlineTracer::Fill(const Eigen::Vector2d& centre, const Eigen::Vector2d& half_x,
+                         const Eigen::Vector2d& half_y) {
+  const Eigen::Vector2d c = (centre - low_) / pixel_m_ - Eigen::Vector2d::Constant(0.5);  // in pixel centres
+  const Eigen::Vector2d hx = half_x / pixel_m_, hy = half_y / pixel_m_;
+  const double ex = std::abs(hx.x()) + std::abs(hy.x()), ey = std::abs(hx.y()) + std::abs(hy.y());
+  const double nx2 = std::max(hx.squaredNorm(), 1e-12), ny2 = std::max(hy.squaredNorm(), 1e-12);
+  const int x0 = std::max(0, static_cast<int>(std::ceil(c.x() - ex)));
+  const int x1 = std::min(filled_.cols - 1, static_cast<int>(std::floor(c.x() + ex)));
+  const int y0 = std::max(0, static_cast<int>(std::ceil(c.y() - ey)));
+  const int y1 = std::min(filled_.rows - 1, static_cast<int>(std::floor(c.y() + ey)));
+  for (int y = y0; y <= y1; ++y) {
+    std::uint8_t* row = filled_.ptr(y);
+    for (int x = x0; x <= x1; ++x) {
+      const Eigen::Vector2d d(x - c.x(), y - c.y());
+      if (std::abs(d.dot(hx)) <= nx2 && std::abs(d.dot(hy)) <= ny2) row[x] = 255;
+    }
+  }
+}
+
+std::vector<PlanarShape> OutlineTracer::Trace() {
+  cv::Mat1b closed = filled_.clone();
+  const int close_px = RadiusPx(settings_.max_gap_m, pixel_m_);
+  const int open_px = RadiusPx(settings_.min_width_m, pixel_m_);
+  if (close_px > 0) cv::morphologyEx(closed, closed, cv::MORPH_CLOSE, Disk(close_px));
+  if (open_px > 0) {
+    // Opening rounds corners; growing back inside the old shape restores them and leaves the tongues away.
+    cv::Mat1b opened;
+    cv::morphologyEx(closed, opened, cv::MORPH_OPEN, Disk(open_px));
+    cv::dilate(opened, opened, Disk(open_px));
+    closed &= opened;
+  }
+  FillDiagonals(&closed);
+  cv::Mat1i pieces;
+  cv::Mat1i stats;
+  cv::Mat1d centroids;
+  const int num = cv::connectedComponentsWithStats(closed, pieces, stats, centroids, 4, CV_32S);
+  labels_ = cv::Mat1i::zeros(pieces.size());
+  std::vector<PlanarShape> shapes;
+  const double pixel_area = pixel_m_ * pixel_m_;
+  for (int label = 1; label < num; ++label) {
+    if (stats(label, cv::CC_STAT_AREA) * pixel_area < settings_.min_area_m2) continue;
+    const cv::Rect box(stats(label, cv::CC_STAT_LEFT), stats(label, cv::CC_STAT_TOP),
+                       stats(label, cv::CC_STAT_WIDTH), stats(label, cv::CC_STAT_HEIGHT));
+    std::vector<Ring2> traced;
+    for (const std::vector<cv::Point>& corners : CrackTracer(pieces, label, box).Trace()) {
+      Ring2 ring;
+      for (const cv::Point& corner : corners)
+        ring.push_back(low_ + pixel_m_ * Eigen::Vector2d(corner.x, corner.y));
+      // Small holes are gaps in the data.
+      if (SignedArea(ring) < 0.0 && -SignedArea(ring) < settings_.min_area_m2) continue;
+      traced.push_back(std::move(ring));
+    }
+    // The tolerance shrinks until the rings neither cross nor touch; the traced rings themselves never do.
+    std::vector<Ring2> rings;
+    double tolerance = settings_.simplify_m * pixel_m_ / settings_.resolution_m;
+    for (int attempt = 0; attempt < 4; ++attempt, tolerance *= 0.5) {
+      rings.clear();
+      std::vector<const Ring2*> pointers;
+      bool valid = true;
+      for (const Ring2& ring : traced) {
+        rings.push_back(attempt < 3 ? Simplify(ring, tolerance) : ring);
+        valid = valid && SignedArea(rings.back()) * SignedArea(ring) > 0.0;
+      }
+      for (const Ring2& ring : rings) pointers.push_back(&ring);
+      if (valid && AreSimple(pointers)) break;
+    }
+    PlanarShape shape;
+    for (Ring2& ring : rings) {
+      shape.area_m2 += SignedArea(ring);
+      if (SignedArea(ring) > 0.0)
+        shape.outline = std::move(ring);
+      else
+        shape.holes.push_back(std::move(ring));
+    }
+    shape.centroid = low_ + pixel_m_ * Eigen::Vector2d(centroids(label, 0) + 0.5, centroids(label, 1) + 0.5);
+    shapes.push_back(std::move(shape));
+    const int index = static_cast<int>(shapes.size());
+    int num_filled = 0;
+    for (int y = box.y; y < box.y + box.height; ++y) {
+      for (int x = box.x; x < box.x + box.width; ++x) {
+        if (pieces(y, x) != label) continue;
+        labels_(y, x) = index;
+        if (filled_(y, x) != 0) ++num_filled;
+      }
+    }
+    shapes.back().support = std::min(1.0, double(num_filled) / stats(label, cv::CC_STAT_AREA));
+  }
+  return shapes;
+}
+
+int OutlineTracer::ShapeAt(const Eigen::Vector2d& p) const {
+  const Eigen::Vector2d at = (p - low_) / pixel_m_;
+  const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
+  if (x < 0 || y < 0 || x >= labels_.cols || y >= labels_.rows) return -1;
+  return labels_(y, x) - 1;
+}
+
+}  // namespace terrace

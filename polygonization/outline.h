@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+namespace terrace {
+
+using Ring2 = std::vector<Eigen::Vector2d>;
+
+/// One connected piece of a plane, in coordinates of that plane.
+struct PlanarShape {
+  Ring2 outline;             ///< counter-clockwise, simple
+  std::vector<Ring2> holes;  ///< clockwise, simple, inside the outline
+  double area_m2 = 0.0;      ///< outline less holes
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+  double support = 0.0;  ///< share of the area that footprints cover
+};
+
+/// How footprints become shapes.
+struct OutlineSettings {
+  double resolution_m = 0.01;
+  double max_gap_m = 0.06;     ///< narrower gaps and holes are closed
+  double min_width_m = 0.025;  ///< narrower tongues are cut off
+  double min_area_m2 = 0.01;   ///< smaller pieces and holes are dropped
+  double simplify_m = 0.008;   ///< how far a simplified edge may leave the traced one
+};
+
+/// Draws rectangles of one plane into a bitmap, and traces what they cover.
+class OutlineTracer {
+ public:
+  /// The bitmap covers [low, high]; its pixels grow when it would hold more than a few million.
+  OutlineTracer(const OutlineSettings& settings, const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+
+  /// A rectangle, by its centre and the vectors to the middles of two edges.
+  void Fill(const Eigen::Vector2d& centre, const Eigen::Vector2d& half_x, const Eigen::Vector2d& half_y);
+
+  /// Everything filled so far as shapes, in a fixed order.
+  std::vector<PlanarShape> Trace();
+  /// After Trace: index of the shape at a point, -1 where there is none.
+  int ShapeAt(const Eigen::Vector2d& p) const;
+
+ private:
+  OutlineSettings settings_;
+  Eigen::Vector2d low_;  // outer corner of pixel (0, 0)
+  double pixel_m_;
+  cv::Mat1b filled_;
+  cv::Mat1i labels_;  // shape + 1
+};
+
+/// Fewer vertices, no edge farther than `tolerance` from the ring it replaces; edges are lines fitted to what
+/// they replace. Empty when nothing valid is left.
+Ring2 Simplify(const Ring2& ring, double tolerance);
+
+/// Area with sign: positive when counter-clockwise.
+double SignedArea(const Ring2& ring);
+
+/// True when no two edges of the rings touch, but neighbours at their common vertex.
+bool AreSimple(const std::vector<const Ring2*>& rings);
+
+}  // namespace terrace

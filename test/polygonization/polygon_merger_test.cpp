@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polygonization/polygon_merger.h"
+
+#include <cstring>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "../mapping/plane_world.h"
+#include "polygonization/cell_modeller.h"
+
+namespace terrace {
+namespace {
+
+constexpr double kSigma_px = 0.1;
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// Octree, modeller and merger in a row, as the pipeline calls them.
+class Mapper {
+ public:
+  const PolygonUpdate& See(const PlaneWorld& world, const PoseEstimate& pose) {
+    const Cloud cloud = world.See(TestCamera(), pose.T_world_left, pose.frame_id, 1, kSigma_px, &random_);
+    update_ = merger_.Merge(modeller_.Fit(octree_, octree_.Insert(cloud, pose)));
+    return update_;
+  }
+  const PolygonUpdate& update() const { return update_; }
+
+  /// The largest polygon that lies on a rectangle's plane (3 cm, 10 deg) over its middle.
+  PolygonPtr On(const PlaneWorld::Rectangle& r) const {
+    PolygonPtr best;
+    for (const PolygonPtr& p : update_.polygons) {
+      const Eigen::Vector3d middle = r.corner + 0.5 * (r.edge_x + r.edge_y);
+      if (p->plane_world.normal.dot(r.normal()) < std::cos(10 * kDegree)) continue;
+      if (std::abs(p->plane_world.SignedDistance(middle)) > 0.03) continue;
+      Eigen::Vector3d low = p->outline_world[0], high = low;
+      for (const Eigen::Vector3d& v : p->outline_world) {
+        low = low.cwiseMin(v);
+        high = high.cwiseMax(v);
+      }
+      if (((middle - low).array() < -0.03).any() || ((high - middle).array() < -0.03).any()) continue;
+      if (best == nullptr || p->area_m2 > best->area_m2) best = p;
+    }
+    return best;
+  }
+
+ private:
+  std::mt19937 random_{1};
+  TerrainOctree octree_{MappingConfig{}, TestCamera()};
+  CellModeller modeller_{ModellingConfig{}};
+  PolygonMerger merger_{MergingConfig{}};
+  PolygonUpdate update_;
+};
+
+PlaneWorld StairsWorld() {
+  PlaneWorld world;
+  world.AddFloor(-1, 1.5, -0.6, 0.6, 0);
+  world.AddStairs(1.5, -0.6, 0.6, 0.17, 0.28, 4);
+  return world;
+}
+
+TEST(PolygonMergerTest, FindsOneFloorWithinMillimetres) {
+  PlaneWorld world;
+  world.AddFloor(0, 2, -1, 1, 0);
+  Mapper mapper;
+  for (int i = 0; i < 12; ++i) mapper.See(world, LookFrom(i, -0.6 + 0.03 * i, 0, 0.45, 0, 0.5));
+  ASSERT_EQ(mapper.update().polygons.size(), 1U);
+  const Polygon& floor = *mapper.update().polygons[0];
+  EXPECT_NEAR(floor.plane_world.offset_m, 0.0, 0.002);
+  EXPECT_GT(floor.plane_world.normal.z(), std::cos(0.2 * kDegree));
+  EXPECT_NEAR(floor.area_m2, 4.0, 0.2);
+  EXPECT_LT(floor.rms_m, 0.005);
+  EXPECT_GT(SignedArea(floor.outline_world, floor.plane_world.normal), 0.0);
+  for (const Eigen::Vector3d& p : floor.outline_world)
+    EXPECT_NEAR(floor.plane_world.SignedDistance(p), 0.0, 1e-9);
+}
+
+TEST(PolygonMergerTest, FindsEveryTreadAndRiserOfAFlight) {
+  const PlaneWorld world = StairsWorld();
+  Mapper mapper;
+  for (int i = 0; i < 16; ++i) mapper.See(world, LookFrom(i, 0.5 + 0.05 * i, 0, 0.9, 0, 0.35));
+  for (std::size_t i = 1; i < world.rectangles.size(); ++i) {
+    const PlaneWorld::Rectangle& truth = world.rectangles[i];
+    const PolygonPtr polygon = mapper.On(truth);
+    ASSERT_NE(polygon, nullptr) << "face " << i;
+    const Eigen::Vector3d middle = truth.corner + 0.5 * (truth.edge_x + truth.edge_y);
+    EXPECT_NEAR(polygon->plane_world.SignedDistance(middle), 0.0, 0.005) << "face " << i;
+    EXPECT_NEAR(polygon->area_m2, truth.area_m2(), 0.2 * truth.area_m2()) << "face " << i;
+  }
+}
+
+TEST(PolygonMergerTest, KeepsTheIdOfAPolygonThatGrows) {
+  PlaneWorld world;
+  world.AddFloor(0, 6, -1, 1, 0);
+  Mapper mapper;
+  PolygonId id = 0;
+  int revision = 0;
+  for (int i = 0; i < 30; ++i) {
+    const PolygonUpdate& update = mapper.See(world, LookFrom(i, -0.5 + 0.1 * i, 0, 0.45, 0, 0.5));
+    ASSERT_FALSE(update.polygons.empty());
+    PolygonPtr largest = update.polygons[0];
+    for (const PolygonPtr& p : update.polygons)
+      if (p->area_m2 > largest->area_m2) largest = p;
+    if (id == 0) id = largest->id;
+    EXPECT_EQ(largest->id, id);
+    EXPECT_GE(largest->revision, revision);
+    revision = largest->revision;
+  }
+}
+
+TEST(PolygonMergerTest, KeepsTwoCoplanarPolygonsApartAcrossAGap) {
+  PlaneWorld world;
+  world.AddFloor(0.6, 1.4, -0.6, -0.1, 0);
+  world.AddFloor(0.6, 1.4, 0.1, 0.6, 0);
+  Mapper mapper;
+  for (int i = 0; i < 8; ++i) mapper.See(world, LookFrom(i, 0.02 * i, 0, 0.5, 0, 0.5));
+  EXPECT_EQ(mapper.update().polygons.size(), 2U);
+}
+
+TEST(PolygonMergerTest, RemovesThePolygonOfABoxThatHasLeft) {
+  PlaneWorld empty;
+  empty.AddFloor(0, 3, -1, 1, 0);
+  PlaneWorld with_box = empty;
+  with_box.AddBox(1.0, 1.4, -0.2, 0.2, 0, 0.2);
+  Mapper mapper;
+  for (int i = 0; i < 8; ++i) mapper.See(with_box, LookFrom(i, 0, 0, 0.6, 0, 0.5));
+  const PlaneWorld::Rectangle& top = with_box.rectangles[1];
+  ASSERT_NE(mapper.On(top), nullptr);
+  const PolygonId id = mapper.On(top)->id;
+  bool removed = false;
+  for (int i = 8; i < 40; ++i) {
+    const PolygonUpdate& update = mapper.See(empty, LookFrom(i, 0, 0, 0.6, 0, 0.5));
+    removed = removed || std::count(update.removed.begin(), update.removed.end(), id) == 1;
+  }
+  EXPECT_TRUE(removed);
+  EXPECT_EQ(mapper.On(top), nullptr);
+}
+
+TEST(PolygonMergerTest, GivesTheSameBitsForAnyNumberOfThreads) {
+  const PlaneWorld world = StairsWorld();
+  std::vector<std::vector<double>> runs;
+  for (const std::size_t num_threads : {1, 4}) {
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, num_threads);
+    Mapper mapper;
+    std::vector<double> all;
+    for (int i = 0; i < 5; ++i) mapper.See(world, LookFrom(i, 0.5 + 0.1 * i, 0, 0.9, 0, 0.35));
+    for (const PolygonPtr& p : mapper.update().polygons) {
+      all.push_back(static_cast<double>(p->id));
+      all.push_back(p->plane_world.offset_m);
+      for (const Eigen::Vector3d& v : p->outline_world) all.insert(all.end(), {v.x(), v.y(), v.z()});
+    }
+    runs.push_back(std::move(all));
+  }
+  ASSERT_EQ(runs[0].size(), runs[1].size());
+  EXPECT_EQ(std::memcmp(runs[0].data(), runs[1].data(), runs[0].size() * sizeof(double)), 0);
+}
+
+TEST(PolygonMergerTest, SharesPolygonsThatDidNotChange) {
+  const PlaneWorld world = StairsWorld();
+  Mapper mapper;
+  mapper.See(world, LookFrom(0, 0.5, 0, 0.9, 0, 0.35));
+  const PolygonUpdate before = mapper.update();
+  ASSERT_FALSE(before.polygons.empty());
+  // A frame that looks elsewhere.
+  const PolygonUpdate after = mapper.See({}, LookFrom(1, 0.5, 0, 0.9, std::numbers::pi, 0));
+  EXPECT_TRUE(after.changed.empty());
+  EXPECT_TRUE(after.removed.empty());
+  EXPECT_EQ(before.polygons, after.polygons);
+}
+
+TEST(MergingConfigTest, NamesEverySettingThatMakesNoSense) {
+  EXPECT_TRUE(MergingConfig{}.Problems().empty());
+  EXPECT_TRUE(ModellingConfig{}.Problems().empty());
+  MergingConfig config;
+  config.max_offset_m = 0.0;
+  config.max_angle_deg = 90.0;
+  EXPECT_EQ(config.Problems().size(), 2U);
+}
+
+}  // namespace
+}  // namespace terrace
