@@ -92,16 +92,32 @@ class Binding {
       MappingConfig& settings = Begin("mapping", "MappingConfig", &p.mapping);
       TERRACE_KEY(leaf_size_m);
       TERRACE_KEY(leaves_per_cell);
+      TERRACE_KEY(min_leaf_px);
+      TERRACE_KEY(min_points);
+      TERRACE_KEY(pose_sigma_m);
+      TERRACE_KEY(memory_frames);
+      TERRACE_KEY(free_margin_px);
+      TERRACE_KEY(free_frames);
     }
     {
       ModellingConfig& settings = Begin("modelling", "ModellingConfig", &p.modelling);
       TERRACE_KEY(inlier_distance_m);
+      TERRACE_KEY(max_inlier_distance_m);
+      TERRACE_KEY(min_patch_area_m2);
+      TERRACE_KEY(max_planes);
+      TERRACE_KEY(num_hypotheses);
+      TERRACE_KEY(num_pretest);
     }
     {
       MergingConfig& settings = Begin("merging", "MergingConfig", &p.merging);
       TERRACE_KEY(max_offset_m);
       TERRACE_KEY(max_angle_deg);
+      TERRACE_KEY(max_gap_m);
+      TERRACE_KEY(min_width_m);
       TERRACE_KEY(min_area_m2);
+      TERRACE_KEY(outline_resolution_m);
+      TERRACE_KEY(simplify_m);
+      TERRACE_KEY(min_change_m);
     }
     {
       LabelingConfig& settings = Begin("labeling", "LabelingConfig", &p.labeling);

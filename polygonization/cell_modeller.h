@@ -6,27 +6,50 @@
 
 #include "core/geometry.h"
 #include "mapping/terrain_octree.h"
+#include "polygonization/plane_moments.h"
 
 namespace terrace {
 
 /// Settings of the plane fits in cells. YAML section: `modelling`.
 struct ModellingConfig {
-  /// Planes closer to the cell's points than this explain them.
-  double inlier_distance_m = 0.02;
+  /// A leaf whose points lie closer to a plane than this, or than three times their noise, belongs to it.
+  double inlier_distance_m = 0.012;
+  /// The noise is never taken to explain more than this.
+  double max_inlier_distance_m = 0.04;
+  /// A patch covers at least this area.
+  double min_patch_area_m2 = 0.0015;
+  /// Planes looked for in one cell.
+  int max_planes = 5;
+  /// Three-leaf hypotheses tried for each plane.
+  int num_hypotheses = 40;
+  /// Leaves on which a hypothesis is tried before it is tried on all.
+  int num_pretest = 40;
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;
 };
 
+/// What one leaf contributes to the outline: a rectangle in the plane of its patch.
+struct Footprint {
+  Eigen::Vector3f centre;  ///< relative to the centre of the cell [m]
+  Eigen::Vector3f half_x;  ///< from the centre to the middle of one edge
+  Eigen::Vector3f half_y;
+};
+
 /// One planar piece inside one cell.
 struct Patch {
-  Plane plane_world;
+  Plane plane_world;        ///< the normal points to the side that was seen
+  PlaneMoments moments;     ///< relative to the centre of the cell
+  double area_m2 = 0.0;     ///< sum of the footprints
+  double num_frames = 0.0;  ///< mean over its leaves
+  std::vector<Footprint> footprints;
 };
 
 /// The new patches of the cells that changed; a cell without patches has lost its planes.
 struct PatchUpdate {
   struct CellPatches {
     CellKey key;
+    Eigen::Vector3d centre_world = Eigen::Vector3d::Zero();
     std::vector<Patch> patches;
   };
   FrameId frame_id = 0;

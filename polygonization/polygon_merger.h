@@ -13,11 +13,22 @@ namespace terrace {
 
 /// Settings of merging patches into polygons. YAML section: `merging`.
 struct MergingConfig {
-  /// Neighbouring patches within this offset and angle are one surface.
-  double max_offset_m = 0.03;
+  /// Patches belong to a neighbouring surface within this offset and angle.
+  double max_offset_m = 0.02;
   double max_angle_deg = 10.0;
-  /// Polygons smaller than this are not published.
+  /// Surfaces whose pieces lie farther apart than this are two; narrower gaps and holes are closed.
+  double max_gap_m = 0.06;
+  /// Narrower tongues of an outline are cut off.
+  double min_width_m = 0.025;
+  /// Polygons and holes smaller than this are not published.
   double min_area_m2 = 0.01;
+  /// Pixel of the bitmap from which outlines are traced.
+  double outline_resolution_m = 0.01;
+  /// How far a simplified edge of an outline may leave the traced one.
+  double simplify_m = 0.008;
+  /// A polygon gets a new revision when its plane moved by this much inside its outline, or its area changed
+  /// by as much along its edges.
+  double min_change_m = 0.001;
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;
