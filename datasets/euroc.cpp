@@ -84,9 +84,9 @@ class SensorFile {
       return Eigen::Isometry3d::Identity();
     }
     Eigen::Isometry3d T_body_sensor = Eigen::Isometry3d::Identity();
-    T_body_sensor.linear() = R.isUnitary(1e-12) ? R : Eigen::Quaterniond(R).normalized().toRotationMatrix();
+    T_body_sensor.linear() = R;
     T_body_sensor.translation() = T.topRightCorner<3, 1>();
-    return T_body_sensor;
+    return CanonicalPose(T_body_sensor);
   }
 
   void Say(const std::string& what) { problems_->push_back(path_ + ": " + what); }
@@ -275,6 +275,7 @@ std::vector<BodyPrior> ReadPriors(const fs::path& csv, PriorKind kind, Problems*
         prior = BodyPrior{{*t}, kind, Eigen::Isometry3d::Identity(), Matrix6d::Zero()};
         prior->T_odom_body.linear() = q.normalized().toRotationMatrix();
         prior->T_odom_body.translation() = Eigen::Map<const Eigen::Vector3d>(v->data());
+        prior->T_odom_body = CanonicalPose(prior->T_odom_body);
         prior->covariance.diagonal() = sigma.array().square();
         return prior;
       });

@@ -8,6 +8,8 @@
 #include "datasets/file_bytes.h"
 #include "datasets/ground_truth.h"
 #include "datasets/kitti.h"
+#include "datasets/lcm_log.h"
+#include "datasets/sequence.h"
 #include "datasets/text_table.h"
 
 namespace terrace {
@@ -101,6 +103,7 @@ TrueTrajectory LoadKittiPoses(const fs::path& sequence) {
 
 bool HasTrueTrajectory(const fs::path& sequence) {
   std::error_code error;
+  if (RecogniseSequence(sequence) == SequenceKind::kLcmLog) return !LoadLcmLogTruth(sequence).poses.empty();
   return fs::exists(BodyStates(sequence), error) || fs::exists(RawLeftPoses(sequence), error) ||
          fs::exists(KittiPoses(sequence), error);
 }
@@ -110,6 +113,11 @@ TrueTrajectory LoadTrueTrajectory(const fs::path& sequence) {
   if (fs::exists(RawLeftPoses(sequence), error)) return LoadRawLeftPoses(RawLeftPoses(sequence));
   if (fs::exists(BodyStates(sequence), error)) return LoadBodyStates(BodyStates(sequence));
   if (fs::exists(KittiPoses(sequence), error)) return LoadKittiPoses(sequence);
+  if (RecogniseSequence(sequence) == SequenceKind::kLcmLog) {
+    TrueTrajectory truth = LoadLcmLogTruth(sequence);
+    if (!truth.poses.empty()) return truth;
+    throw FileError(sequence.string() + ": the log has no true poses");
+  }
   throw FileError(sequence.string() +
                   ": has no true poses, neither groundtruth_tum.txt nor "
                   "mav0/state_groundtruth_estimate0/data.csv nor poses.txt");

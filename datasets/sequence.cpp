@@ -7,6 +7,7 @@
 #include "core/check.h"
 #include "datasets/euroc.h"
 #include "datasets/kitti.h"
+#include "datasets/lcm_log.h"
 
 namespace terrace {
 namespace {
@@ -63,7 +64,7 @@ std::unique_ptr<Sequence> OpenSequence(const fs::path& path) {
     case SequenceKind::kKitti:
       return OpenKittiSequence(path);
     case SequenceKind::kLcmLog:
-      throw SequenceError(path.string() + ": LCM logs cannot be read by this program");
+      return OpenLcmLogSequence(path);
   }
   TERRACE_CHECK(false, static_cast<int>(*kind));
 }

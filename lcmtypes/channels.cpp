@@ -6,6 +6,10 @@
 
 namespace terrace {
 
+PriorKind ChannelConfig::body_pose_prior() const {
+  return body_pose_kind == "attitude" ? PriorKind::kAttitude : PriorKind::kLegOdometry;
+}
+
 std::vector<std::string> ChannelConfig::Problems() const {
   constexpr std::size_t kMaxChannelLength = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
   const std::vector<std::pair<const char*, const std::string*>> channels = {{"images", &images},

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/sensor_frame.h"
+
 namespace terrace {
 
 /// On which LCM channel each message travels. YAML section: `channels`.
@@ -34,6 +36,9 @@ struct ChannelConfig {
   std::string status = "TERRACE_STATUS";
   /// True poses of the body in converted logs, `pose_t`; never read by the mapper.
   std::string true_pose = "TERRACE_TRUE_POSE";
+
+  /// body_pose_kind as a prior's kind.
+  PriorKind body_pose_prior() const;
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;

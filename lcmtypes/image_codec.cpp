@@ -183,17 +183,6 @@ std::optional<std::string> Metadata(const image_t& image, const std::string& key
   return std::nullopt;
 }
 
-/// The exact nanoseconds, when they are there and belong to the same microsecond.
-Timestamp CaptureTime(Timestamp coarse, const image_t* left) {
-  const std::optional<std::string> text = left ? Metadata(*left, kCaptureKey) : std::nullopt;
-  if (!text) return coarse;
-  std::int64_t ns = 0;
-  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), ns);
-  const bool whole = error == std::errc() && end == text->data() + text->size();
-  const std::optional<Timestamp> fine = whole ? TimeFromNanoseconds(ns) : std::nullopt;
-  return fine && fine->utime() == coarse.utime() ? *fine : coarse;
-}
-
 }  // namespace
 
 std::optional<ImageEncoding> ImageEncodingFromName(const std::string& name) {
@@ -223,16 +212,29 @@ images_t ToMessage(const StereoPair& pair, ImageEncoding encoding) {
   return message;
 }
 
+std::optional<Timestamp> CaptureTime(const images_t& message) {
+  const std::optional<Timestamp> coarse = TimeFromMicroseconds(message.utime);
+  const image_t* left = Find(message, images_t::LEFT);
+  const std::optional<std::string> text = left ? Metadata(*left, kCaptureKey) : std::nullopt;
+  if (!coarse || !text) return coarse;
+  std::int64_t ns = 0;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), ns);
+  const bool whole = error == std::errc() && end == text->data() + text->size();
+  const std::optional<Timestamp> fine = whole ? TimeFromNanoseconds(ns) : std::nullopt;
+  // Nanoseconds of another microsecond are left over from before someone changed the time of the message.
+  return fine && fine->utime() == message.utime ? fine : coarse;
+}
+
 StereoPair FromMessage(const images_t& message) {
   StereoPair pair;
-  const std::optional<Timestamp> coarse = TimeFromMicroseconds(message.utime);
-  if (!coarse) {
+  const std::optional<Timestamp> t_capture = CaptureTime(message);
+  if (!t_capture) {
     pair.problem = "the time of the images cannot be";
     return pair;
   }
   const image_t* left = Find(message, images_t::LEFT);
   const image_t* right = Find(message, images_t::RIGHT);
-  pair.t_capture = CaptureTime(*coarse, left);
+  pair.t_capture = *t_capture;
   for (const auto& [name, image, out] :
        {std::tuple{"left", left, &pair.left}, std::tuple{"right", right, &pair.right}}) {
     try {

@@ -21,6 +21,9 @@ std::optional<ImageEncoding> ImageEncodingFromName(const std::string& name);  //
 /// A pair with a problem becomes two empty images with the problem as metadata.
 images_t ToMessage(const StereoPair& pair, ImageEncoding encoding);
 
+/// When the pair was taken, without a look at its pixels; none when that cannot be.
+std::optional<Timestamp> CaptureTime(const images_t& message);
+
 /// Never fails: when the images cannot be used, the pair's `problem` says why, and it has no images.
 StereoPair FromMessage(const images_t& message);
 
