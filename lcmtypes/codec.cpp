@@ -522,6 +522,16 @@ std::optional<Staircase> FromMessage(const staircase_v1_t& message) {
   return staircase;
 }
 
+std::optional<TerrainView> FromMessage(const terrain_v1_t& message) {
+  const auto t_capture = TimeFromMicroseconds(message.utime);
+  const auto T_world_left = ReadPose(message.sensor_pos, message.sensor_quat);
+  const Eigen::Vector3d down_world = Vector(message.gravity);
+  constexpr double kMaxLengthError = 1e-3;
+  if (!t_capture || !T_world_left || !(std::abs(down_world.norm() - 1.0) < kMaxLengthError))
+    return std::nullopt;
+  return TerrainView{*t_capture, *T_world_left, down_world};
+}
+
 namespace {
 
 /// Fills parts one after the other, each up to its size.

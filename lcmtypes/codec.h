@@ -71,6 +71,14 @@ std::optional<TerrainRegion> FromMessage(const region_v1_t& message);
 staircase_v1_t ToMessage(const Staircase& staircase);
 std::optional<Staircase> FromMessage(const staircase_v1_t& message);
 
+/// What every part of a terrain_v1_t says beside regions and staircases.
+struct TerrainView {
+  Timestamp t_capture;
+  Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d down_world = -Eigen::Vector3d::UnitZ();
+};
+std::optional<TerrainView> FromMessage(const terrain_v1_t& message);
+
 /// What LCM sends in one UDP packet; a message in several packets is lost with any of them.
 inline constexpr std::size_t kMaxTerrainMessageBytes = 60000;
 

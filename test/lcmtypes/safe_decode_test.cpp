@@ -27,9 +27,8 @@ std::vector<std::uint8_t> Encoded(const Message& message) {
 /// What a decoded message is used for next must survive it, too.
 template <typename Message>
 void Use(const Message& message) {
-  if constexpr (requires { FromMessage(message); }) {
-    static_cast<void>(FromMessage(message));
-  } else if constexpr (std::is_same_v<Message, terrain_v1_t>) {
+  if constexpr (requires { FromMessage(message); }) static_cast<void>(FromMessage(message));
+  if constexpr (std::is_same_v<Message, terrain_v1_t>) {
     for (const region_v1_t& region : message.regions) Use(region);
     for (const staircase_v1_t& staircase : message.staircases) Use(staircase);
   }

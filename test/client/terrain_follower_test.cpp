@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "client/terrain_follower.h"
+
+#include <algorithm>
+#include <deque>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "lcmtypes/codec.h"
+#include "test/lcmtypes/example_maps.h"
+
+namespace terrace {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// Small, so that snapshots and deltas come in several parts.
+constexpr std::size_t kPartBytes = 2500;
+
+std::vector<Bytes> Encoded(const std::vector<terrain_v1_t>& messages) {
+  std::vector<Bytes> all;
+  for (const terrain_v1_t& message : messages) {
+    Bytes bytes(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    all.push_back(std::move(bytes));
+  }
+  return all;
+}
+
+std::vector<Bytes> Snapshot(const TerrainMap& map) { return Encoded(SnapshotMessages(map, kPartBytes)); }
+std::vector<Bytes> Delta(const TerrainMap& base, const TerrainMap& map) {
+  return Encoded(DeltaMessages(base, map, kPartBytes));
+}
+
+bool ReceiveAll(TerrainFollower* follower, const std::vector<Bytes>& messages) {
+  bool changed = false;
+  for (const Bytes& bytes : messages) changed |= follower->Receive(bytes.data(), bytes.size());
+  return changed;
+}
+
+/// Every bit of a map, as one comparable thing.
+std::vector<Bytes> Contents(const TerrainMapPtr& map) { return map ? Snapshot(*map) : std::vector<Bytes>(); }
+
+/// What a subscriber has that got this state in one undisturbed snapshot.
+std::vector<Bytes> ContentsAfterSnapshotOf(const TerrainMap& map) {
+  TerrainFollower follower;
+  EXPECT_TRUE(ReceiveAll(&follower, Snapshot(map)));
+  return Contents(follower.map());
+}
+
+TEST(TerrainFollowerTest, HasNoMapBeforeTheFirstSnapshotAndSaysThatItNeedsOne) {
+  ExampleMaps maps(1);
+  const TerrainMap first = maps.First(20);
+  TerrainFollower follower;
+  EXPECT_EQ(follower.map(), nullptr);
+  EXPECT_TRUE(follower.needs_snapshot());
+  EXPECT_FALSE(ReceiveAll(&follower, Delta(first, maps.Next(first))));
+  EXPECT_EQ(follower.map(), nullptr);
+  EXPECT_TRUE(ReceiveAll(&follower, Snapshot(first)));
+  EXPECT_FALSE(follower.needs_snapshot());
+  EXPECT_EQ(follower.map()->seq, first.seq + 1) << "the delta that came early fits now";
+}
+
+TEST(TerrainFollowerTest, FollowsDeltasAndSharesWhatHasNotChanged) {
+  ExampleMaps maps(2);
+  const TerrainMap first = maps.First(30);
+  TerrainMap second = first;
+  ++second.seq;
+  second.regions[3] = maps.Region(4, 2);
+  second.regions.pop_back();
+  TerrainFollower follower;
+  ReceiveAll(&follower, Snapshot(first));
+  const TerrainMapPtr before = follower.map();
+  EXPECT_TRUE(ReceiveAll(&follower, Delta(first, second)));
+  EXPECT_EQ(follower.map()->regions.size(), 29u);
+  EXPECT_EQ(follower.map()->regions[0], before->regions[0]);
+  EXPECT_NE(follower.map()->regions[3], before->regions[3]);
+  EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(second));
+}
+
+TEST(TerrainFollowerTest, TakesPartsInAnyOrderAndTwice) {
+  const TerrainMap map = ExampleMaps(3).First(40);
+  std::vector<Bytes> parts = Snapshot(map);
+  ASSERT_GT(parts.size(), 3u);
+  parts.insert(parts.end(), parts.begin(), parts.end());
+  std::shuffle(parts.begin(), parts.end(), std::mt19937(3));
+  TerrainFollower follower;
+  EXPECT_TRUE(ReceiveAll(&follower, parts));
+  EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(map));
+}
+
+TEST(TerrainFollowerTest, NoticesALostDeltaAndCatchesUpWithASnapshot) {
+  ExampleMaps maps(4);
+  TerrainMap map = maps.First(20);
+  TerrainFollower follower;
+  ReceiveAll(&follower, Snapshot(map));
+  map = maps.Next(map);  // never arrives
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(follower.needs_snapshot());
+    const TerrainMap next = maps.Next(map);
+    ReceiveAll(&follower, Delta(map, next));
+    map = next;
+  }
+  EXPECT_TRUE(follower.needs_snapshot());
+  EXPECT_EQ(follower.map()->seq, 1) << "a delta without its base changes nothing";
+  ReceiveAll(&follower, Snapshot(map));
+  EXPECT_FALSE(follower.needs_snapshot());
+  EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(map));
+}
+
+TEST(TerrainFollowerTest, ForgetsTheOldMapWhenANewOneBeginsAndIgnoresItsLateMessages) {
+  ExampleMaps maps(5);
+  const TerrainMap old = maps.First(10);
+  const TerrainMap older_than_late = maps.Next(old);
+  TerrainMap fresh = maps.First(3);
+  fresh.map_id = 2;
+  TerrainFollower follower;
+  ReceiveAll(&follower, Snapshot(old));
+  ReceiveAll(&follower, Snapshot(fresh));
+  EXPECT_FALSE(ReceiveAll(&follower, Snapshot(older_than_late)));
+  EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(fresh));
+}
+
+TEST(TerrainFollowerTest, CountsWhatIsNoMessageAndKeepsItsMap) {
+  const TerrainMap map = ExampleMaps(6).First(5);
+  TerrainFollower follower;
+  ReceiveAll(&follower, Snapshot(map));
+  const char rubbish[] = "rubbish that is no message";
+  EXPECT_FALSE(follower.Receive(rubbish, sizeof(rubbish)));
+  std::vector<terrain_v1_t> bad = SnapshotMessages(map);
+  bad[0].seq += 1;
+  bad[0].regions[0].label = 100;
+  EXPECT_FALSE(ReceiveAll(&follower, Encoded(bad)));
+  bad[0].part = 5;
+  EXPECT_FALSE(ReceiveAll(&follower, Encoded(bad)));
+  EXPECT_EQ(follower.num_bad_messages(), 3);
+  EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(map));
+}
+
+TEST(TerrainFollowerTest, KeepsLittleOfWhatNeverBecomesComplete) {
+  TerrainFollower follower;
+  terrain_v1_t part{};
+  part.frame_id = "world";
+  part.n_parts = 1000;
+  for (int i = 0; i < 3000; ++i) {
+    part.seq = i;
+    part.part = i % 999;
+    ReceiveAll(&follower, Encoded({part}));
+  }
+  EXPECT_EQ(follower.map(), nullptr);
+}
+
+/// A network that loses, doubles and reorders, seeded.
+class BadNetwork {
+ public:
+  BadNetwork(double loss, unsigned seed) : loss_(loss), random_(seed) {}
+
+  void Send(const std::vector<Bytes>& messages) {
+    for (const Bytes& bytes : messages) {
+      if (Chance(loss_)) continue;
+      queue_.push_back(bytes);
+      if (Chance(0.1)) queue_.push_back(bytes);
+    }
+  }
+
+  /// Delivers all but a few, in an order of its own.
+  void Deliver(TerrainFollower* follower, std::size_t keep_back) {
+    while (queue_.size() > keep_back) {
+      const std::size_t reach = std::min<std::size_t>(queue_.size(), 5);
+      const auto picked = queue_.begin() + static_cast<std::ptrdiff_t>(random_() % reach);
+      follower->Receive(picked->data(), picked->size());
+      queue_.erase(picked);
+    }
+  }
+
+ private:
+  bool Chance(double p) { return std::uniform_real_distribution<>(0.0, 1.0)(random_) < p; }
+
+  const double loss_;
+  std::mt19937 random_;
+  std::deque<Bytes> queue_;
+};
+
+TEST(TerrainFollowerTest, EndsWithTheSameMapHoweverLateAndLossyItListened) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    ExampleMaps maps(seed);
+    BadNetwork network(0.1 * (seed % 6), seed);
+    TerrainFollower follower;
+    TerrainMap map = maps.First(12);
+    const int listens_from = static_cast<int>(seed % 10);
+    int num_states_seen = 0;
+    for (int step = 0; step < 40; ++step) {
+      TerrainMap next = maps.Next(map);
+      const bool cleared = step == 20 && seed % 2 == 0;
+      if (cleared) {
+        next = maps.First(4);
+        next.map_id = map.map_id + 1;
+      }
+      if (step >= listens_from) {
+        if (!cleared) network.Send(Delta(map, next));
+        // Now and then by itself, and when asked.
+        if (cleared || step % 15 == 0 || follower.needs_snapshot()) network.Send(Snapshot(next));
+        const TerrainMapPtr before = follower.map();
+        network.Deliver(&follower, 3);
+        if (follower.map() != before) ++num_states_seen;
+      }
+      map = next;
+    }
+    EXPECT_GT(num_states_seen, 0) << "seed " << seed;
+    // The world stands still now; snapshots go on coming.
+    for (int i = 0; i < 100; ++i) {
+      network.Send(Snapshot(map));
+      network.Deliver(&follower, 0);
+    }
+    ASSERT_NE(follower.map(), nullptr);
+    EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(map)) << "seed " << seed;
+    EXPECT_FALSE(follower.needs_snapshot()) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace terrace
