@@ -123,6 +123,31 @@ class Binding {
       LabelingConfig& settings = Begin("labeling", "LabelingConfig", &p.labeling);
       TERRACE_KEY(min_walkway_edge_m);
       TERRACE_KEY(min_wall_height_m);
+      TERRACE_KEY(min_upright_deg);
+      TERRACE_KEY(max_joint_gap_m);
+      TERRACE_KEY(max_joint_height_m);
+      TERRACE_KEY(max_unseen_gap_m);
+      TERRACE_KEY(min_ramp_rise_m);
+      TERRACE_KEY(max_resolving_distance_m);
+      TERRACE_KEY(ground_search_m);
+      TERRACE_KEY(max_stance_distance_m);
+      TERRACE_KEY(min_decided_area_m2);
+      TERRACE_KEY(frames_to_change_label);
+      TERRACE_KEY(max_gravity_change_deg);
+    }
+    {
+      StaircaseConfig& settings = Begin("staircases", "StaircaseConfig", &p.staircases);
+      TERRACE_KEY(min_riser_m);
+      TERRACE_KEY(max_riser_m);
+      TERRACE_KEY(min_tread_m);
+      TERRACE_KEY(max_tread_m);
+      TERRACE_KEY(min_pitch_deg);
+      TERRACE_KEY(max_pitch_deg);
+      TERRACE_KEY(min_width_m);
+      TERRACE_KEY(height_tolerance_m);
+      TERRACE_KEY(edge_tolerance_m);
+      TERRACE_KEY(max_turn_deg);
+      TERRACE_KEY(max_tread_slope_deg);
     }
     {
       RobotConfig& settings = Begin("robot", "RobotConfig", &p.robot);

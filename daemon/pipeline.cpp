@@ -64,7 +64,8 @@ Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibr
 void Pipeline::StartMap(std::int64_t map_id) {
   octree_ = std::make_unique<TerrainOctree>(config_.mapping, camera());
   merger_ = std::make_unique<PolygonMerger>(config_.merging);
-  labeler_ = std::make_unique<TerrainLabeler>(config_.labeling, config_.robot, mounting_.T_body_left, map_id);
+  labeler_ = std::make_unique<TerrainLabeler>(config_.labeling, config_.staircases, config_.robot, camera(),
+                                              mounting_.T_body_left, map_id);
 }
 
 FrameResult Pipeline::Process(const SensorFrame& sensors) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "labeling/staircase_finder.h"
 #include "labeling/terrain_labeler.h"
 #include "mapping/terrain_octree.h"
 #include "odometry/visual_odometry.h"
@@ -34,6 +35,7 @@ struct PipelineConfig {
   ModellingConfig modelling;
   MergingConfig merging;
   LabelingConfig labeling;
+  StaircaseConfig staircases;
   RobotConfig robot;
 };
 

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "core/camera.h"
 #include "core/pose_estimate.h"
 #include "core/terrain_map.h"
+#include "labeling/staircase_finder.h"
 #include "polygonization/polygon.h"
 
 namespace terrace {
@@ -39,6 +41,29 @@ struct LabelingConfig {
   double min_walkway_edge_m = 0.5;
   /// An upright face that rises higher than this above the ground at its foot is a wall.
   double min_wall_height_m = 1.0;
+  /// A face is upright when it leans no more than this from level, counted from the ground.
+  double min_upright_deg = 65.0;
+  /// Level pieces with a smaller gap and a smaller step between them are one piece of ground.
+  double max_joint_gap_m = 0.10;
+  double max_joint_height_m = 0.04;
+  /// Ground that goes on at the same height behind a strip that was not seen, no wider than this, counts as
+  /// reachable.
+  double max_unseen_gap_m = 1.0;
+  /// A slope that rises less than this from end to end is uneven ground, not a ramp.
+  double min_ramp_rise_m = 0.06;
+  /// From farther away a staircase cannot be told from a ramp, nor the top of a face from where matching
+  /// ends.
+  double max_resolving_distance_m = 4.0;
+  /// The ground at the foot of a face or beside a top is looked for this far away.
+  double ground_search_m = 0.4;
+  /// The ground under the robot, which it never sees, is taken to go on in what lies nearest, within this.
+  double max_stance_distance_m = 2.0;
+  /// Smaller pieces stay unknown unless they are part of a staircase or continue their neighbours.
+  double min_decided_area_m2 = 0.02;
+  /// A label changes when this many frames in a row say so; a staircase appears after as many.
+  int frames_to_change_label = 3;
+  /// Heights are measured again when what is known of gravity has turned by more than this.
+  double max_gravity_change_deg = 0.2;
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;
@@ -47,9 +72,11 @@ struct LabelingConfig {
 /// Decides what a planner may read each polygon as, and finds staircases.
 class TerrainLabeler {
  public:
+  /// @param camera       tells whether the top of a face was in view; width 0: not known
   /// @param T_body_left  where the camera sits on the body; none: the body is taken to be at the camera
-  TerrainLabeler(const LabelingConfig& config, const RobotConfig& robot,
-                 const std::optional<Eigen::Isometry3d>& T_body_left, std::int64_t map_id = 1);
+  TerrainLabeler(const LabelingConfig& config, const StaircaseConfig& staircases, const RobotConfig& robot,
+                 const StereoCamera& camera, const std::optional<Eigen::Isometry3d>& T_body_left,
+                 std::int64_t map_id = 1);
   ~TerrainLabeler();
 
   /// @param pose  where the camera is now: what is reachable is reachable from there

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/terrain_map.h"
+#include "labeling/surface.h"
+
+namespace terrace {
+
+/// What lies beyond every edge of a surface's polygon: outline first, then the holes, as TerrainRegion wants
+/// it.
+std::vector<EdgeKind> EdgeKindsOf(int i, const std::vector<SurfacePtr>& surfaces,
+                                  const Eigen::Matrix3d& R_level_world);
+
+/// How far away another surface may lie and still decide the kind of an edge.
+inline constexpr double kEdgeReach = 0.10;
+
+}  // namespace terrace

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "labeling/label_rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace terrace {
+namespace {
+
+double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+/// Chance that a normally distributed value lies above zero.
+double ChancePositive(double mean, double sigma) {
+  return 0.5 * std::erfc(-mean / (std::sqrt(2.0) * std::max(sigma, 1e-6)));
+}
+
+/// Evidence from few looks is worth less.
+double Seasoned(double confidence, const Surface& surface) {
+  constexpr double kLooks = 3.0;
+  return confidence * (1.0 - 0.4 * std::exp(-surface.polygon->num_observations / kLooks));
+}
+
+}  // namespace
+
+LabelRules::LabelRules(const LabelingConfig& config, const RobotConfig& robot, const Scene& scene)
+    : config_(config), robot_(robot), scene_(scene), index_(scene.surfaces, config.ground_search_m) {}
+
+bool LabelRules::Level(const Surface& surface) const {
+  if (surface.lean != Lean::kSupport) return false;
+  if (surface.slope_rad <= Radians(robot_.max_walkway_slope_deg)) return true;
+  // A small piece that leans by a few centimetres is noise or uneven ground.
+  return surface.heights().length() < config_.min_ramp_rise_m;
+}
+
+std::vector<bool> LabelRules::PartOfLargeGround() const {
+  // Level pieces that join are one ground, and so are sloped ones; large when one of its pieces is, or when
+  // together they are wide enough both ways.
+  const int n = static_cast<int>(scene_.surfaces.size());
+  const double edge = config_.min_walkway_edge_m;
+  // The raster of LargestSquare has cells of a tenth.
+  const double large_square = 0.9 * edge;
+  std::vector<bool> large(n, false);
+  std::vector<bool> done(n, false);
+  for (int start = 0; start < n; ++start) {
+    if (done[start] || scene_.surfaces[start]->lean != Lean::kSupport) continue;
+    const bool level = Level(*scene_.surfaces[start]);
+    std::vector<int> pieces{start};
+    done[start] = true;
+    bool any_large = false;
+    double area = 0.0;
+    PlanRing corners;
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      const Surface& s = *scene_.surfaces[pieces[k]];
+      any_large |= s.largest_square_m >= large_square;
+      area += s.area_m2;
+      corners.insert(corners.end(), s.plan.front().begin(), s.plan.front().end());
+      for (const auto& [j, link] : scene_.graph.neighbors()[pieces[k]]) {
+        if (link != Link::kJoins || done[j] || Level(*scene_.surfaces[j]) != level) continue;
+        done[j] = true;
+        pieces.push_back(j);
+      }
+    }
+    if (!any_large && pieces.size() > 1 && area >= edge * edge) {
+      const Interval x = Extent(corners, scene_.surfaces[start]->rectangle.long_axis);
+      const Interval y = Extent(corners, scene_.surfaces[start]->rectangle.short_axis());
+      // Pieces with gaps between them must make up most of what they span.
+      any_large = std::min(x.length(), y.length()) >= edge && area >= 0.7 * x.length() * y.length();
+    }
+    for (const int i : pieces) large[i] = any_large;
+  }
+  return large;
+}
+
+std::optional<double> LabelRules::GroundHeight(const Eigen::Vector2d& p, double max_z, int except) const {
+  double nearest = config_.ground_search_m;
+  std::optional<double> height;
+  for (const int j : index_.Near(p)) {
+    const Surface& s = *scene_.surfaces[j];
+    if (j == except || s.lean != Lean::kSupport || s.bounds.min().z() > max_z) continue;
+    const Eigen::Vector2d outside = (s.bounds.min().head<2>() - p).cwiseMax(p - s.bounds.max().head<2>());
+    if (outside.maxCoeff() > nearest) continue;
+    Eigen::Vector2d q;
+    const double distance = s.PlanDistance(p, &q);
+    const double z = s.HeightAt(q);
+    // Of two pieces that lie above each other the face stands on the upper one.
+    if (z > max_z || distance > nearest || (height && distance == nearest && z <= *height)) continue;
+    nearest = distance;
+    height = z;
+  }
+  return height;
+}
+
+LabelRules::Face LabelRules::MeasureFace(int i) const {
+  const Surface& face = *scene_.surfaces[i];
+  constexpr int kMaxSamples = 12;
+  constexpr double kFootTolerance = 0.1;  // how far the seen foot may lie below the ground
+  constexpr double kBeforeFace = 0.05;    // the ground is looked for on the side that was seen
+  constexpr double kTopTolerance = 0.08;  // rounded edges
+  const int n = static_cast<int>(face.columns.size());
+  const int stride = std::max(1, (n + kMaxSamples - 1) / kMaxSamples);
+  std::vector<double> heights;
+  int tops = 0, samples = 0;
+  Face measured;
+  for (int c = stride / 2; c < n; c += stride) {
+    const FaceColumn& column = face.columns[c];
+    const Eigen::Vector2d foot =
+        face.FacePoint(column.along_m, column.bottom_m).head<2>() + kBeforeFace * face.front();
+    const std::optional<double> ground = GroundHeight(foot, column.bottom_m + kFootTolerance, i);
+    measured.ground_known |= ground.has_value();
+    heights.push_back(column.top_m - ground.value_or(column.bottom_m));
+    ++samples;
+    const Eigen::Vector2d behind =
+        face.FacePoint(column.along_m, column.top_m).head<2>() - kTopTolerance * face.front();
+    for (const int j : index_.Near(behind)) {
+      const Surface& s = *scene_.surfaces[j];
+      if (s.lean != Lean::kSupport || s.bounds.max().z() < column.top_m - kTopTolerance ||
+          s.bounds.min().z() > column.top_m + kTopTolerance)
+        continue;
+      Eigen::Vector2d q;
+      if (s.PlanDistance(behind, &q) > kTopTolerance ||
+          std::abs(s.HeightAt(q) - column.top_m) > kTopTolerance)
+        continue;
+      ++tops;
+      break;
+    }
+  }
+  if (samples == 0) return measured;
+  // A fifth of the columns must reach this high: a spike is no wall.
+  const auto high = heights.begin() + (heights.size() - 1) * 4 / 5;
+  std::nth_element(heights.begin(), high, heights.end());
+  measured.height_m = *high;
+  measured.has_top = 2 * tops >= samples;
+  return measured;
+}
+
+Verdict LabelRules::DecideFace(int i) const {
+  const Surface& face = *scene_.surfaces[i];
+  if (face.area_m2 < config_.min_decided_area_m2 || face.columns.empty())
+    return {TerrainLabel::kUnknown, 0.3};
+  const Face measured = MeasureFace(i);
+  const double upright = ChancePositive(
+      std::min(face.slope_rad, std::numbers::pi - face.slope_rad) - Radians(config_.min_upright_deg),
+      face.slope_sigma_rad);
+  const double doubt = measured.ground_known ? 1.0 : 0.8;
+  if (measured.height_m >= config_.min_wall_height_m)
+    return {TerrainLabel::kWall, Seasoned(0.95 * upright * doubt, face)};
+  if (measured.has_top) return {TerrainLabel::kObstacle, Seasoned(0.9 * upright * doubt, face)};
+  switch (scene_.tops[i]) {
+    case TopView::kOutOfView:
+      return {TerrainLabel::kWall, Seasoned(0.75 * upright * doubt, face)};
+    case TopView::kSeen:
+      return {TerrainLabel::kObstacle, Seasoned(0.75 * upright * doubt, face)};
+    case TopView::kNotJudged:
+      break;
+  }
+  return {TerrainLabel::kUnknown, 0.3};
+}
+
+bool LabelRules::ContinuesAWall(int i, const std::vector<Verdict>& verdicts) const {
+  // Matching leaves holes in plain walls: what lies in the plane of a wall and near it is part of it, unless
+  // something lies on top.
+  const Surface& face = *scene_.surfaces[i];
+  constexpr double kSameNormal = 0.985;  // 10 deg
+  constexpr double kSamePlane = 0.06;
+  const double max_gap = config_.ground_search_m;
+  const Interval width = Extent(face.plan.front(), face.face_axis);
+  for (int j = 0; j < static_cast<int>(scene_.surfaces.size()); ++j) {
+    const Surface& wall = *scene_.surfaces[j];
+    if (verdicts[j].label != TerrainLabel::kWall || wall.area_m2 < face.area_m2) continue;
+    if (face.plane.normal.dot(wall.plane.normal) < kSameNormal) continue;
+    if (std::abs(wall.plane.SignedDistance(face.centroid)) > kSamePlane) continue;
+    if (width.Overlap(Extent(wall.plan.front(), face.face_axis)) < -max_gap) continue;
+    if (face.heights().Overlap(wall.heights()) >= -max_gap) return true;
+  }
+  return false;
+}
+
+Verdict LabelRules::DecideSteep(int i) const {
+  const Surface& s = *scene_.surfaces[i];
+  if (s.area_m2 < 2.0 * config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3};
+  constexpr double kFootTolerance = 0.1;
+  const auto ground =
+      GroundHeight(s.centroid.head<2>() + 0.5 * s.rectangle.depth_m * s.plane.normal.head<2>().normalized(),
+                   s.bounds.min().z() + kFootTolerance, i);
+  if (!ground || s.bounds.min().z() - *ground > config_.ground_search_m ||
+      scene_.nearest_view_m[i] > config_.max_resolving_distance_m)
+    return {TerrainLabel::kUnknown, 0.3};
+  return {TerrainLabel::kObstacle, Seasoned(0.6, s)};
+}
+
+std::optional<double> LabelRules::HeightOverSurroundings(int i) const {
+  const Surface& s = *scene_.surfaces[i];
+  const double low_enough = config_.max_joint_height_m;
+  std::optional<double> height;
+  for (const Eigen::Vector2d& p : s.plan.front()) {
+    const double z = s.HeightAt(p);
+    const auto ground = GroundHeight(p, z - low_enough, i);
+    if (ground && (!height || z - *ground < *height)) height = z - *ground;
+  }
+  return height;
+}
+
+Verdict LabelRules::DecideLevel(int i, bool large) const {
+  const Surface& s = *scene_.surfaces[i];
+  const double level = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
+  if (large && scene_.reachable[i]) return {TerrainLabel::kWalkway, Seasoned(0.97 * level, s)};
+  if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3};
+  const std::optional<double> height = HeightOverSurroundings(i);
+  // The top of something that stands on the ground; higher up it is a shelf or a ledge.
+  if (height && *height < config_.min_wall_height_m) {
+    return {TerrainLabel::kObstacle, Seasoned(0.85 * level, s)};
+  }
+  if (!scene_.reachable[i]) return {TerrainLabel::kLevel, Seasoned(0.6 * level, s)};
+  return {TerrainLabel::kUnknown, 0.4};
+}
+
+Verdict LabelRules::DecideSlope(int i, bool large) const {
+  const Surface& s = *scene_.surfaces[i];
+  const double walkable = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
+  const double sloped =
+      ChancePositive(s.slope_rad - Radians(robot_.max_walkway_slope_deg), s.slope_sigma_rad);
+  // Far away the treads of a staircase blur to a slope.
+  if (scene_.nearest_view_m[i] > config_.max_resolving_distance_m) return {TerrainLabel::kUnknown, 0.4};
+  if (large && scene_.reachable[i]) return {TerrainLabel::kRamp, Seasoned(0.95 * walkable * sloped, s)};
+  if (s.area_m2 < config_.min_decided_area_m2 || large) return {TerrainLabel::kUnknown, 0.3};
+  return HeightOverSurroundings(i) ? Verdict{TerrainLabel::kObstacle, Seasoned(0.6, s)}
+                                   : Verdict{TerrainLabel::kUnknown, 0.3};
+}
+
+std::vector<Verdict> LabelRules::Decide() const {
+  const int n = static_cast<int>(scene_.surfaces.size());
+  const std::vector<bool> large = PartOfLargeGround();
+  std::vector<Verdict> verdicts(n);
+  for (int i = 0; i < n; ++i) {
+    const Surface& s = *scene_.surfaces[i];
+    switch (s.lean) {
+      case Lean::kSupport:
+        verdicts[i] = Level(s) ? DecideLevel(i, large[i]) : DecideSlope(i, large[i]);
+        break;
+      case Lean::kSteep:
+        verdicts[i] = DecideSteep(i);
+        break;
+      case Lean::kUpright:
+        verdicts[i] = DecideFace(i);
+        break;
+      case Lean::kFacingDown:
+        verdicts[i] = {TerrainLabel::kUnknown, 0.5};
+        break;
+    }
+  }
+  const std::vector<Verdict> first = verdicts;
+  for (int i = 0; i < n; ++i) {
+    if (scene_.surfaces[i]->lean != Lean::kUpright || first[i].label == TerrainLabel::kWall) continue;
+    if (ContinuesAWall(i, first)) verdicts[i] = {TerrainLabel::kWall, Seasoned(0.7, *scene_.surfaces[i])};
+  }
+  return verdicts;
+}
+
+}  // namespace terrace

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/terrain_map.h"
+#include "labeling/plan_index.h"
+#include "labeling/step_graph.h"
+#include "labeling/surface.h"
+#include "labeling/terrain_labeler.h"
+
+namespace terrace {
+
+/// Whether a face ends where it seems to end.
+enum class TopView {
+  kNotJudged,  ///< never near enough
+  kSeen,       ///< what lies above it was in view, and is not part of it
+  kOutOfView,  ///< it ends where the view ended
+};
+
+/// What the rules know about the surfaces of one map; all vectors run in parallel.
+struct Scene {
+  const std::vector<SurfacePtr>& surfaces;
+  const StepGraph& graph;
+  const std::vector<bool>& reachable;
+  const std::vector<TopView>& tops;
+  const std::vector<double>& nearest_view_m;  ///< least distance from which each was seen
+};
+
+struct Verdict {
+  TerrainLabel label = TerrainLabel::kUnknown;
+  double confidence = 0.0;
+};
+
+/// The meaning of the labels in DESIGN.md as rules, for everything but staircases.
+class LabelRules {
+ public:
+  LabelRules(const LabelingConfig& config, const RobotConfig& robot, const Scene& scene);
+
+  std::vector<Verdict> Decide() const;
+
+ private:
+  struct Face {
+    double height_m = 0.0;  ///< of its top above the ground at its foot, where it is highest
+    bool ground_known = false;
+    bool has_top = false;  ///< a level piece begins at its upper edge
+  };
+  bool Level(const Surface& surface) const;
+  std::vector<bool> PartOfLargeGround() const;
+  std::optional<double> GroundHeight(const Eigen::Vector2d& p, double max_z, int except) const;
+  Face MeasureFace(int i) const;
+  std::optional<double> HeightOverSurroundings(int i) const;
+  bool ContinuesAWall(int i, const std::vector<Verdict>& verdicts) const;
+  Verdict DecideFace(int i) const;
+  Verdict DecideSteep(int i) const;
+  Verdict DecideLevel(int i, bool large) const;
+  Verdict DecideSlope(int i, bool large) const;
+
+  const LabelingConfig& config_;
+  const RobotConfig& robot_;
+  const Scene& scene_;
+  PlanIndex index_;
+};
+
+}  // namespace terrace

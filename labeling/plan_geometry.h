@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace terrace {
+
+/// A closed ring in the plan, seen from above; the first vertex is not repeated.
+using PlanRing = std::vector<Eigen::Vector2d>;
+
+/// The ring with vertices left out that lie closer than `tolerance_m` to what remains (Douglas and Peucker).
+/// At least three vertices remain.
+PlanRing Simplify(const PlanRing& ring, double tolerance_m);
+
+/// True inside the ring, by the number of crossings to the right.
+bool Contains(const PlanRing& ring, const Eigen::Vector2d& p);
+
+/// The point of the ring itself that is nearest to p.
+Eigen::Vector2d NearestOnRing(const PlanRing& ring, const Eigen::Vector2d& p);
+
+/// The smallest rectangle around a ring with a side along one of the ring's edges.
+struct PlanRectangle {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  Eigen::Vector2d long_axis = Eigen::Vector2d::UnitX();  ///< unit
+  double length_m = 0.0;                                 ///< along long_axis
+  double depth_m = 0.0;                                  ///< across it, not greater than length_m
+
+  Eigen::Vector2d short_axis() const { return {-long_axis.y(), long_axis.x()}; }
+};
+PlanRectangle SmallestRectangle(const PlanRing& ring);
+
+/// Edge of the largest square, sides along the rectangle's, that lies in the first ring and in none of the
+/// others; to within one cell of a raster of 1/10 of `enough_m`. No more than `enough_m` is looked for.
+double LargestSquare(const std::vector<PlanRing>& rings, const PlanRectangle& rectangle, double enough_m);
+
+/// The interval that a ring covers along an axis.
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+
+  double length() const { return high - low; }
+  double middle() const { return 0.5 * (low + high); }
+  /// Length of what both cover; negative: the gap between them.
+  double Overlap(const Interval& other) const {
+    return std::min(high, other.high) - std::max(low, other.low);
+  }
+};
+Interval Extent(const PlanRing& ring, const Eigen::Vector2d& axis);
+
+}  // namespace terrace

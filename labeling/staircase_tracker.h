@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/terrain_map.h"
+#include "labeling/staircase_finder.h"
+
+namespace terrace {
+
+/// One region's place in a staircase.
+struct StepPlace {
+  PolygonId region = 0;
+  bool riser = false;
+  int step_index = 0;
+};
+
+/// A staircase that has been seen often enough to be told.
+struct TrackedStaircase {
+  std::int64_t id = 0;
+  FoundStaircase found;           ///< its indices mean nothing any more: `places` says which regions
+  std::vector<StepPlace> places;  ///< ascending by region
+  PolygonId foot_region = 0;      ///< 0: not seen
+  PolygonId head_region = 0;      ///< 0: not seen
+  Staircase published;
+};
+
+/// Gives staircases stable ids: one appears after it has been found in some frames in a row, survives some in
+/// which it is not found, and its numbers rest while they change by less than can be told apart.
+class StaircaseTracker {
+ public:
+  explicit StaircaseTracker(int num_frames) : num_frames_(num_frames) {}
+
+  /// The laws of all flights that are followed, for StaircaseFinder::Find.
+  std::vector<FlightModel> models() const;
+
+  void Update(const std::vector<FoundStaircase>& found, const std::vector<SurfacePtr>& surfaces,
+              const Eigen::Matrix3d& R_level_world);
+
+  /// Ascending by id. No region is in two of them.
+  const std::vector<TrackedStaircase>& confirmed() const { return confirmed_; }
+
+ private:
+  struct Track {
+    TrackedStaircase staircase;
+    int num_found = 0;   ///< in a row, until confirmed
+    int num_missed = 0;  ///< in a row
+    bool told = false;
+  };
+  int num_frames_;
+  std::int64_t last_id_ = 0;
+  std::vector<Track> tracks_;
+  std::vector<TrackedStaircase> confirmed_;
+};
+
+}  // namespace terrace

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "labeling/view_memory.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace terrace {
+
+void ViewMemory::JudgeTop(const Surface& face, const Eigen::Isometry3d& T_left_level, Memory& memory) const {
+  if (camera_.width <= 0 || face.columns.empty()) return;
+  constexpr double kAbove = 0.10;      // what should show above a top that is one
+  constexpr double kBorder_px = 10.0;  // matching leaves the border of the image empty
+  constexpr double kMinDepth = 0.3;
+  constexpr int kMaxSamples = 8;
+  constexpr double kGrown = 0.05;
+  if (face.heights().high > memory.top_m + kGrown) memory = {memory.nearest_m, face.heights().high, 0, 0};
+  const Eigen::Vector3d eye = T_left_level.inverse().translation();
+  if (face.plane.SignedDistance(eye) <= 0.0) return;
+  const int n = static_cast<int>(face.columns.size());
+  const int stride = std::max(1, (n + kMaxSamples - 1) / kMaxSamples);
+  int seen = 0, cut = 0;
+  for (int c = stride / 2; c < n; c += stride) {
+    const FaceColumn& column = face.columns[c];
+    const Eigen::Vector3d p = T_left_level * face.FacePoint(column.along_m, column.top_m + kAbove);
+    if (p.z() < kMinDepth || p.z() > max_depth_m_) continue;
+    const Eigen::Vector2d pixel = camera_.Project(p);
+    if (pixel.x() < kBorder_px || pixel.x() > camera_.width - 1 - kBorder_px) continue;
+    if (pixel.y() > camera_.height - 1) continue;
+    ++(pixel.y() < kBorder_px ? cut : seen);
+  }
+  if (seen + cut == 0) return;
+  ++(seen >= cut ? memory.num_seen : memory.num_cut);
+}
+
+void ViewMemory::Look(const std::vector<SurfacePtr>& surfaces, const Eigen::Isometry3d& T_level_left,
+                      Timestamp t_now) {
+  const Eigen::Isometry3d T_left_level = T_level_left.inverse();
+  std::map<PolygonId, Memory> memories;
+  tops_.clear();
+  nearest_view_m_.clear();
+  for (const SurfacePtr& surface : surfaces) {
+    const auto before = memories_.find(surface->id());
+    const bool fresh = before == memories_.end();
+    Memory memory = fresh ? Memory{} : before->second;
+    if (fresh || surface->polygon->last_seen >= t_now) {
+      const double distance = std::sqrt(surface->bounds.squaredExteriorDistance(T_level_left.translation()));
+      memory.nearest_m = fresh ? distance : std::min(memory.nearest_m, distance);
+      if (surface->lean == Lean::kUpright) JudgeTop(*surface, T_left_level, memory);
+    }
+    tops_.push_back(memory.num_seen + memory.num_cut == 0 ? TopView::kNotJudged
+                    : memory.num_seen >= memory.num_cut   ? TopView::kSeen
+                                                          : TopView::kOutOfView);
+    nearest_view_m_.push_back(memory.nearest_m);
+    memories.emplace(surface->id(), memory);
+  }
+  memories_ = std::move(memories);
+}
+
+}  // namespace terrace
