@@ -87,8 +87,7 @@ TEST_F(ResultFilesTest, NamesFilePlaceAndRuleOfWhatIsWrong) {
   const auto short_line = Write("frames.jsonl", R"({"t_capture_ns": 1, "status": "tracking"})");
   EXPECT_THAT(ErrorOf([&] { ReadFramesFile(short_line); }), HasSubstr("frames.jsonl:1: reason is missing"));
 
-  EXPECT_THAT(ErrorOf([&] { ReadStatsFile(folder_ / "stats.json"); }),
-              HasSubstr("stats.json: no such file"));
+  EXPECT_THAT(ErrorOf([&] { ReadStatsFile(folder_ / "stats.json"); }), HasSubstr("stats.json: no such file"));
 }
 
 TEST_F(ResultFilesTest, ReadsFramesWithAndWithoutCovariance) {
