@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/result_files.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -99,7 +100,23 @@ GravitySource ReadGravitySource(const JsonValue& json) {
   json.Fail("must be imu, attitude, mounting, plane or assumed");
 }
 
+constexpr const char* kStageOrder[] = {"load",      "rectify", "disparity", "odometry", "decomposition",
+                                       "modelling", "merging", "labels",    "publish"};
+
 }  // namespace
+
+std::vector<std::pair<std::string, StageTimes>> ReplayStats::StagesInOrder() const {
+  std::vector<std::pair<std::string, StageTimes>> ordered;
+  for (const char* name : kStageOrder) {
+    if (const auto stage = stages.find(name); stage != stages.end()) ordered.emplace_back(*stage);
+  }
+  for (const auto& stage : stages) {
+    if (std::find(std::begin(kStageOrder), std::end(kStageOrder), stage.first) == std::end(kStageOrder)) {
+      ordered.emplace_back(stage);
+    }
+  }
+  return ordered;
+}
 
 std::vector<ResultPose> ReadTrajectoryFile(const std::filesystem::path& path) {
   std::vector<ResultPose> poses;

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -78,6 +79,9 @@ struct ReplayStats {
   Gravity gravity;
   std::optional<LatencyMs> latency;
   std::map<std::string, StageTimes> stages;
+
+  /// The stages in the order in which a frame passes them, those of unknown name at the end.
+  std::vector<std::pair<std::string, StageTimes>> StagesInOrder() const;
 };
 
 /// Everything that `terraced replay` leaves in a folder, but the disparity images, which are read one by one.

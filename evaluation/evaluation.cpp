@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "datasets/file_bytes.h"
+#include "datasets/ground_truth.h"
+
+namespace terrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A rotation smaller than this leaves true depth images valid for the rectified camera.
+constexpr double kNoRotation_rad = 1e-4;
+
+/// Slope of y over x by least squares; 0 when x does not change.
+double Slope(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto n = static_cast<double>(x.size());
+  double mean_x = 0.0, mean_y = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    mean_x += x[i] / n;
+    mean_y += y[i] / n;
+  }
+  double xx = 0.0, xy = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (x[i] - mean_x) * (x[i] - mean_x);
+    xy += (x[i] - mean_x) * (y[i] - mean_y);
+  }
+  return xx > 0.0 ? xy / xx : 0.0;
+}
+
+std::optional<LatencyGrowth> GrowthOf(const std::vector<ResultFrame>& frames) {
+  std::vector<double> latencies_ms, cells, regions;
+  for (const ResultFrame& frame : frames) {
+    if (!frame.latency_ms) continue;
+    latencies_ms.push_back(*frame.latency_ms);
+    cells.push_back(1e-3 * static_cast<double>(frame.map_cells));
+    regions.push_back(1e-2 * static_cast<double>(frame.regions));
+  }
+  if (latencies_ms.empty()) return std::nullopt;
+  return LatencyGrowth{static_cast<int>(latencies_ms.size()), Slope(cells, latencies_ms),
+                       Slope(regions, latencies_ms)};
+}
+
+/// Disparity images of the result that have a true depth image and a true pose of the same moment.
+std::optional<DisparityEvaluation> EvaluateDisparities(const ReplayResult& result, const fs::path& sequence,
+                                                       const TrueScene& scene,
+                                                       const std::vector<TimedPose>& true_left,
+                                                       std::vector<std::string>* notes) {
+  const std::map<Timestamp, fs::path> saved = SavedDisparities(result.folder);
+  const std::map<Timestamp, fs::path> depths = TrueDepthImages(sequence);
+  if (saved.empty() || depths.empty()) return std::nullopt;
+  if (Eigen::AngleAxisd(result.camera.R_rect_raw).angle() > kNoRotation_rad) {
+    notes->push_back("disparity: rectification turns the camera, so the true depth images do not apply");
+    return std::nullopt;
+  }
+  const std::map<Timestamp, fs::path> labels = TrueLabelImages(sequence);
+  DisparityEvaluation evaluation;
+  for (const auto& [t, path] : saved) {
+    const auto depth = depths.find(t);
+    const std::vector<PosePair> pose = MatchPoses({{t, Eigen::Isometry3d::Identity()}}, true_left);
+    if (depth == depths.end() || pose.empty()) continue;
+    const auto label = labels.find(t);
+    const Eigen::Isometry3d& T_world_left = pose.front().T_true_left;
+    const StereoCamera& camera = result.camera.camera;
+    const RenderedTruth truth =
+        LoadRenderedTruth(depth->second, label == labels.end() ? std::nullopt : std::optional(label->second),
+                          scene, camera, T_world_left);
+    const FloatImage disparity_px = ReadDisparityFile(path);
+    evaluation.errors.Add(disparity_px, truth.disparity);
+    ++evaluation.num_images;
+    const std::vector<PlaneFit> planes = FitPlanes(disparity_px, truth, scene, camera, T_world_left);
+    evaluation.planes.insert(evaluation.planes.end(), planes.begin(), planes.end());
+    const std::vector<EdgeFit> edges = FitEdges(disparity_px, truth, scene, camera, T_world_left);
+    evaluation.edges.insert(evaluation.edges.end(), edges.begin(), edges.end());
+  }
+  if (evaluation.num_images == 0) {
+    notes->push_back("disparity: no saved image has a true depth image of the same time");
+    return std::nullopt;
+  }
+  return evaluation;
+}
+
+}  // namespace
+
+Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequence,
+                          const MapEvaluationOptions& options) {
+  if (!fs::exists(sequence)) throw FileError(sequence.string() + ": no such sequence");
+  const ReplayResult result = ReadReplayResult(result_folder);
+  Evaluation evaluation;
+  evaluation.result = result_folder;
+  evaluation.sequence = sequence;
+  evaluation.stats = result.stats;
+  evaluation.frames = result.frames;
+  evaluation.num_regions = result.map.regions.size();
+  evaluation.latency_growth = GrowthOf(result.frames);
+
+  std::vector<TimedPose> true_left;
+  std::vector<PosePair> pairs;
+  if (HasTrueTrajectory(sequence)) {
+    true_left = TrueLeftPoses(LoadTrueTrajectory(sequence), result.camera);
+    pairs = MatchPoses(result.trajectory, true_left);
+    evaluation.trajectory =
+        EvaluateTrajectory(pairs, result.frames, static_cast<std::int64_t>(true_left.size()),
+                           result.stats.frames + result.stats.dropped);
+    if (pairs.empty()) evaluation.notes.push_back("trajectory: no pose has a true one within 2 ms");
+  } else {
+    evaluation.notes.push_back("trajectory: the sequence has no true poses");
+  }
+
+  if (!HasTrueScene(sequence)) {
+    evaluation.notes.push_back("map: the sequence has no true scene");
+    return evaluation;
+  }
+  const TrueScene scene = LoadTrueScene(sequence);
+  if (pairs.empty())
+    evaluation.notes.push_back("map: not moved onto the truth, for there is no pose to do it by");
+  const Eigen::Isometry3d T_true_result =
+      pairs.empty() ? Eigen::Isometry3d::Identity() : AlignByOrientations(pairs);
+  evaluation.map = EvaluateMap(result.map, scene, T_true_result, options);
+  evaluation.staircases =
+      EvaluateStaircases(result.map.staircases, result.staircase_reports, scene, T_true_result, true_left);
+  evaluation.disparity = EvaluateDisparities(result, sequence, scene, true_left, &evaluation.notes);
+  return evaluation;
+}
+
+}  // namespace terrace

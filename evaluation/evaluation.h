@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluation/disparity_evaluation.h"
+#include "evaluation/map_evaluation.h"
+#include "evaluation/result_files.h"
+#include "evaluation/staircase_evaluation.h"
+#include "evaluation/trajectory_evaluation.h"
+
+namespace terrace {
+
+/// How the latency of a replay at recorded speed grows with the map: slopes of a straight line.
+struct LatencyGrowth {
+  int count = 0;
+  double ms_per_1000_cells = 0.0;
+  double ms_per_100_regions = 0.0;
+};
+
+/// Everything that is measured of one result. Parts whose truth the sequence does not have are none.
+struct Evaluation {
+  std::filesystem::path result;
+  std::filesystem::path sequence;
+  std::vector<std::string> notes;  ///< what could not be measured, and why
+
+  std::optional<TrajectoryEvaluation> trajectory;
+  std::optional<MapEvaluation> map;
+  std::optional<StaircaseEvaluation> staircases;
+  std::optional<DisparityEvaluation> disparity;
+
+  ReplayStats stats;
+  std::optional<LatencyGrowth> latency_growth;
+  std::vector<ResultFrame> frames;
+  std::size_t num_regions = 0;
+};
+
+/// Measures what `terraced replay` left in a folder against the truth that the sequence comes with. Throws
+/// FileError or ImageError.
+Evaluation EvaluateResult(const std::filesystem::path& result, const std::filesystem::path& sequence,
+                          const MapEvaluationOptions& options = {});
+
+}  // namespace terrace
