@@ -107,19 +107,16 @@ double CommonReach(const RawView& left, const RawView& right, double dx, double 
 
 /// True when every border pixel of the rectified images comes from inside both raw images.
 bool Filled(const StereoCamera& camera, const RawView& left, const RawView& right) {
-  constexpr int kEvery = 4;
   const auto seen = [&](int u, int v) {
     const double x = (u - camera.cx) / camera.fx;
     const double y = (v - camera.cy) / camera.fy;
     return left.Pixel(x, y) && right.Pixel(x, y);
   };
-  const int u_last = camera.width - 1;
-  const int v_last = camera.height - 1;
-  for (int u = 0; u <= u_last; u = u < u_last ? std::min(u + kEvery, u_last) : u + 1) {
-    if (!seen(u, 0) || !seen(u, v_last)) return false;
+  for (int u = 0; u < camera.width; ++u) {
+    if (!seen(u, 0) || !seen(u, camera.height - 1)) return false;
   }
-  for (int v = 0; v <= v_last; v = v < v_last ? std::min(v + kEvery, v_last) : v + 1) {
-    if (!seen(0, v) || !seen(u_last, v)) return false;
+  for (int v = 0; v < camera.height; ++v) {
+    if (!seen(0, v) || !seen(camera.width - 1, v)) return false;
   }
   return true;
 }
