@@ -193,26 +193,16 @@ struct ImageRow {
   std::string file;
 };
 
-std::vector<ImageRow> ReadImageRows(const fs::path& camera, Problems* problems, Problems* warnings,
-                                    std::int64_t* num_time_jumps) {
+Table<ImageRow> ReadImageRows(const fs::path& camera) {
   const fs::path csv = camera / "data.csv";
-  Table<ImageRow> table = ReadTable<ImageRow>(
-      csv, ',', "a time stamp [ns] and a file name", [](std::span<const std::string_view> cells) {
-        std::optional<ImageRow> row;
-        const std::optional<std::int64_t> t = cells.empty() ? std::nullopt : ParseInt64(cells[0]);
-        if (!t || *t < 0 || (cells.size() > 1 && cells[1].empty())) return row;
-        row = ImageRow{{*t}, cells.size() > 1 ? std::string(cells[1]) : std::to_string(*t) + ".png"};
-        return row;
-      });
-  if (!table.problem.empty()) problems->push_back(table.problem);
-  if (!table.bad_lines.empty()) warnings->push_back(table.bad_lines);
-  const std::int64_t num_left_out = KeepRising(&table.rows, [](const ImageRow& row) { return row.t; });
-  if (num_left_out > 0) {
-    warnings->push_back(csv.string() + ": " + std::to_string(num_left_out) +
-                        " images left out: time stamps must rise");
-  }
-  *num_time_jumps += num_left_out;
-  return std::move(table.rows);
+  const auto parse = [](std::span<const std::string_view> cells) -> std::optional<ImageRow> {
+    const std::optional<Timestamp> t = cells.empty() ? std::nullopt : ParseNanoseconds(cells[0]);
+    if (!t || (cells.size() > 1 && cells[1].empty())) return std::nullopt;
+    return ImageRow{*t, cells.size() > 1 ? std::string(cells[1]) : std::to_string(t->ns) + ".png"};
+  };
+  Table<ImageRow> table = ReadTable<ImageRow>(csv, ',', "a time stamp [ns] and a file name", parse);
+  LeaveOutTimeJumps(csv, "image", &table);
+  return table;
 }
 
 /// Every image of either camera once, in order of time.
@@ -243,48 +233,45 @@ std::vector<FolderFrame> PairUp(const fs::path& mav, const std::vector<ImageRow>
 
 // ---- samples
 
-std::vector<ImuSample> ReadImu(const fs::path& csv, Problems* warnings) {
-  Table<ImuSample> table = ReadTable<ImuSample>(
-      csv, ',', "a time stamp [ns], 3 rates of turn and 3 accelerations",
-      [](std::span<const std::string_view> cells) {
-        std::optional<ImuSample> sample;
-        const std::optional<std::int64_t> t = cells.empty() ? std::nullopt : ParseInt64(cells[0]);
-        const auto v = ParseDoubles(cells, 1, 6);
-        if (t && v) sample = ImuSample{{*t}, {(*v)[0], (*v)[1], (*v)[2]}, {(*v)[3], (*v)[4], (*v)[5]}};
-        return sample;
-      });
-  if (!table.problem.empty()) warnings->push_back(table.problem + "; the IMU is not used");
-  if (!table.bad_lines.empty()) warnings->push_back(table.bad_lines);
-  if (KeepRising(&table.rows, [](const ImuSample& sample) { return sample.t; }) > 0) {
-    warnings->push_back(csv.string() + ": samples left out: time stamps must rise");
-  }
+/// Rows of a sensor that a sequence can do without: what is wrong with the file becomes a warning.
+template <typename Row, typename Parse>
+std::vector<Row> ReadOptionalSensor(const fs::path& csv, const std::string& rule, Parse parse,
+                                    Problems* warnings) {
+  Table<Row> table = ReadTable<Row>(csv, ',', rule, parse);
+  LeaveOutTimeJumps(csv, "sample", &table);
+  if (!table.problem.empty()) warnings->push_back(table.problem + "; it is not used");
+  warnings->insert(warnings->end(), table.warnings.begin(), table.warnings.end());
   return std::move(table.rows);
 }
 
+std::vector<ImuSample> ReadImu(const fs::path& csv, Problems* warnings) {
+  const auto parse = [](std::span<const std::string_view> cells) -> std::optional<ImuSample> {
+    const std::optional<Timestamp> t = cells.empty() ? std::nullopt : ParseNanoseconds(cells[0]);
+    const auto v = ParseDoubles(cells, 1, 6);
+    if (!t || !v) return std::nullopt;
+    return ImuSample{*t, {(*v)[0], (*v)[1], (*v)[2]}, {(*v)[3], (*v)[4], (*v)[5]}};
+  };
+  return ReadOptionalSensor<ImuSample>(csv, "a time stamp [ns], 3 rates of turn and 3 accelerations", parse,
+                                       warnings);
+}
+
 std::vector<BodyPrior> ReadPriors(const fs::path& csv, PriorKind kind, Problems* warnings) {
-  Table<BodyPrior> table = ReadTable<BodyPrior>(
-      csv, ',', "a time stamp [ns], position, quaternion w x y z and 6 standard deviations",
-      [kind](std::span<const std::string_view> cells) {
-        std::optional<BodyPrior> prior;
-        const std::optional<std::int64_t> t = cells.empty() ? std::nullopt : ParseInt64(cells[0]);
-        const auto v = ParseDoubles(cells, 1, 13);
-        if (!t || !v) return prior;
-        const Eigen::Quaterniond q((*v)[3], (*v)[4], (*v)[5], (*v)[6]);
-        const Vector6d sigma = Eigen::Map<const Vector6d>(v->data() + 7);
-        if (std::abs(q.norm() - 1.0) > 0.1 || (sigma.array() < 0).any()) return prior;
-        prior = BodyPrior{{*t}, kind, Eigen::Isometry3d::Identity(), Matrix6d::Zero()};
-        prior->T_odom_body.linear() = q.normalized().toRotationMatrix();
-        prior->T_odom_body.translation() = Eigen::Map<const Eigen::Vector3d>(v->data());
-        prior->T_odom_body = CanonicalPose(prior->T_odom_body);
-        prior->covariance.diagonal() = sigma.array().square();
-        return prior;
-      });
-  if (!table.problem.empty()) warnings->push_back(table.problem + "; it is not used");
-  if (!table.bad_lines.empty()) warnings->push_back(table.bad_lines);
-  if (KeepRising(&table.rows, [](const BodyPrior& prior) { return prior.t; }) > 0) {
-    warnings->push_back(csv.string() + ": samples left out: time stamps must rise");
-  }
-  return std::move(table.rows);
+  const auto parse = [kind](std::span<const std::string_view> cells) -> std::optional<BodyPrior> {
+    const std::optional<Timestamp> t = cells.empty() ? std::nullopt : ParseNanoseconds(cells[0]);
+    const auto v = ParseDoubles(cells, 1, 13);
+    if (!t || !v) return std::nullopt;
+    const Eigen::Quaterniond q((*v)[3], (*v)[4], (*v)[5], (*v)[6]);
+    const Vector6d sigma = Eigen::Map<const Vector6d>(v->data() + 7);
+    if (std::abs(q.norm() - 1.0) > 0.01 || (sigma.array() < 0).any()) return std::nullopt;
+    BodyPrior prior{*t, kind};
+    prior.T_odom_body.linear() = q.normalized().toRotationMatrix();
+    prior.T_odom_body.translation() = Eigen::Map<const Eigen::Vector3d>(v->data());
+    prior.T_odom_body = CanonicalPose(prior.T_odom_body);
+    prior.covariance.diagonal() = sigma.array().square();
+    return prior;
+  };
+  return ReadOptionalSensor<BodyPrior>(
+      csv, "a time stamp [ns], position, quaternion w x y z and 6 standard deviations", parse, warnings);
 }
 
 /// Body axes and noise of the IMU; without them its samples mean nothing.
@@ -334,12 +321,15 @@ std::unique_ptr<Sequence> OpenEurocSequence(const fs::path& path) {
   info.kind = SequenceKind::kEuroc;
   info.path = path;
   info.calibration = ReadCalibration(mav, &problems);
-  std::int64_t num_time_jumps = 0;
-  const std::vector<ImageRow> left = ReadImageRows(mav / "cam0", &problems, &info.warnings, &num_time_jumps);
-  const std::vector<ImageRow> right = ReadImageRows(mav / "cam1", &problems, &info.warnings, &num_time_jumps);
+  const Table<ImageRow> left = ReadImageRows(mav / "cam0");
+  const Table<ImageRow> right = ReadImageRows(mav / "cam1");
+  for (const Table<ImageRow>* side : {&left, &right}) {
+    if (!side->problem.empty()) problems.push_back(side->problem);
+    info.warnings.insert(info.warnings.end(), side->warnings.begin(), side->warnings.end());
+  }
   ThrowIfAny(problems);
 
-  std::vector<FolderFrame> frames = PairUp(mav, left, right);
+  std::vector<FolderFrame> frames = PairUp(mav, left.rows, right.rows);
   const bool any_pair =
       std::any_of(frames.begin(), frames.end(), [](const FolderFrame& f) { return f.problem.empty(); });
   if (!any_pair) {
@@ -348,7 +338,7 @@ std::unique_ptr<Sequence> OpenEurocSequence(const fs::path& path) {
   SensorSamples samples = ReadSamples(mav, &info);
   info.has_true_poses = HasTrueTrajectory(path);
   return std::make_unique<FolderSequence>(std::move(info), std::move(frames), std::move(samples),
-                                          num_time_jumps);
+                                          left.num_time_jumps + right.num_time_jumps);
 }
 
 }  // namespace terrace

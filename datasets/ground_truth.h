@@ -33,9 +33,9 @@ struct TrueTrajectory {
 /// True when the sequence comes with true poses.
 bool HasTrueTrajectory(const std::filesystem::path& sequence);
 
-/// The true poses of a sequence: the `groundtruth_tum.txt` of an EuRoC folder (raw left camera, at the times of
-/// the frames), else its body states, or the `poses.txt` of a KITTI folder (rectified left camera), or what
-/// an LCM log holds. Throws FileError.
+/// The true poses of a sequence: the `groundtruth_tum.txt` of an EuRoC folder (raw left camera, at the times
+/// of the frames), else its body states, or the `poses.txt` of a KITTI folder (rectified left camera), or
+/// what an LCM log holds. Throws FileError.
 TrueTrajectory LoadTrueTrajectory(const std::filesystem::path& sequence);
 
 /// Cells of a true polygon that some frame saw within 5 m; none (nx = 0) when no frame did.

@@ -52,10 +52,10 @@ std::vector<TimedPose> Rising(Table<TimedPose> table) {
 
 TrueTrajectory LoadBodyStates(const fs::path& csv) {
   const auto parse = [](std::span<const std::string_view> cells) -> std::optional<TimedPose> {
-    const std::optional<std::int64_t> t = cells.empty() ? std::nullopt : ParseInt64(cells[0]);
+    const std::optional<Timestamp> t = cells.empty() ? std::nullopt : ParseNanoseconds(cells[0]);
     const auto v = ParseDoubles(cells, 1, 7);
     if (!t || !v) return std::nullopt;
-    return PoseOf({*t}, {(*v)[0], (*v)[1], (*v)[2]}, {(*v)[3], (*v)[4], (*v)[5], (*v)[6]});
+    return PoseOf(*t, {(*v)[0], (*v)[1], (*v)[2]}, {(*v)[3], (*v)[4], (*v)[5], (*v)[6]});
   };
   return {TruthFrame::kBody, Rising(ReadTable<TimedPose>(
                                  csv, ',', "a time stamp [ns], position and quaternion w x y z", parse))};
@@ -73,14 +73,10 @@ TrueTrajectory LoadRawLeftPoses(const fs::path& txt) {
 }
 
 TrueTrajectory LoadKittiPoses(const fs::path& sequence) {
-  std::vector<std::string> problems, warnings;
-  std::int64_t num_time_jumps = 0;
+  const Table<KittiTime> times = ReadKittiTimes(sequence / "times.txt");
+  if (!times.problem.empty()) throw FileError(times.problem);
   std::map<std::int64_t, Timestamp> time_of_line;
-  for (const KittiTime& time :
-       ReadKittiTimes(sequence / "times.txt", &problems, &warnings, &num_time_jumps)) {
-    time_of_line[time.index] = time.t;
-  }
-  if (!problems.empty()) throw FileError(problems.front());
+  for (const KittiTime& time : times.rows) time_of_line[time.index] = time.t;
   const Eigen::Vector3d p_cam0_left = ReadKittiCameras(sequence).p_cam0_left;
 
   std::int64_t num_lines = 0;

@@ -10,7 +10,6 @@
 #include "datasets/folder_sequence.h"
 #include "datasets/ground_truth.h"
 #include "datasets/image_file.h"
-#include "datasets/text_table.h"
 
 namespace terrace {
 namespace {
@@ -121,27 +120,18 @@ KittiCameras ReadKittiCameras(const fs::path& path) {
   return cameras;
 }
 
-std::vector<KittiTime> ReadKittiTimes(const fs::path& times, std::vector<std::string>* problems,
-                                      std::vector<std::string>* warnings, std::int64_t* num_time_jumps) {
+Table<KittiTime> ReadKittiTimes(const fs::path& times) {
   std::int64_t num_lines = 0;
-  Table<KittiTime> table =
-      ReadTable<KittiTime>(times, ' ', "one time [s]", [&](std::span<const std::string_view> cells) {
-        std::optional<KittiTime> row;
-        const std::int64_t index = num_lines++;
-        const std::optional<double> t_s = cells.empty() ? std::nullopt : ParseDouble(cells[0]);
-        // Nanoseconds since the epoch end at 9.2e9 s.
-        if (t_s && *t_s >= 0.0 && *t_s < 9e9) row = KittiTime{index, {std::llround(*t_s * 1e9)}};
-        return row;
-      });
-  if (!table.problem.empty()) problems->push_back(table.problem);
-  if (!table.bad_lines.empty()) warnings->push_back(table.bad_lines);
-  const std::int64_t num_left_out = KeepRising(&table.rows, [](const KittiTime& row) { return row.t; });
-  if (num_left_out > 0) {
-    warnings->push_back(times.string() + ": " + std::to_string(num_left_out) +
-                        " frames left out: times must rise");
-  }
-  *num_time_jumps += num_left_out;
-  return std::move(table.rows);
+  const auto parse = [&](std::span<const std::string_view> cells) -> std::optional<KittiTime> {
+    const std::int64_t index = num_lines++;
+    const std::optional<double> t_s = cells.empty() ? std::nullopt : ParseDouble(cells[0]);
+    constexpr double kMaxSeconds = 9e9;  // nanoseconds since the epoch end at 9.2e9 s
+    if (!t_s || *t_s < 0.0 || *t_s > kMaxSeconds) return std::nullopt;
+    return KittiTime{index, {std::llround(*t_s * 1e9)}};
+  };
+  Table<KittiTime> table = ReadTable<KittiTime>(times, ' ', "one time [s]", parse);
+  LeaveOutTimeJumps(times, "frame", &table);
+  return table;
 }
 
 std::unique_ptr<Sequence> OpenKittiSequence(const fs::path& path) {
@@ -150,10 +140,10 @@ std::unique_ptr<Sequence> OpenKittiSequence(const fs::path& path) {
   info.kind = SequenceKind::kKitti;
   info.path = path;
   const KittiCameras cameras = ReadCameras(path, &problems);
-  std::int64_t num_time_jumps = 0;
-  std::vector<KittiTime> times =
-      ReadKittiTimes(path / "times.txt", &problems, &info.warnings, &num_time_jumps);
+  Table<KittiTime> table = ReadKittiTimes(path / "times.txt");
+  if (!table.problem.empty()) problems.push_back(table.problem);
   ThrowIfAny(problems);
+  info.warnings = std::move(table.warnings);
   info.calibration = cameras.calibration;
 
   // Pieces of a recording often keep its whole times.txt.
@@ -161,13 +151,14 @@ std::unique_ptr<Sequence> OpenKittiSequence(const fs::path& path) {
     return fs::exists(ImageFile(path, cameras.left, time.index)) ||
            fs::exists(ImageFile(path, cameras.right, time.index));
   };
+  std::vector<KittiTime>& times = table.rows;
   const std::size_t num_times = times.size();
   while (!times.empty() && !has_image(times.back())) times.pop_back();
   if (times.empty()) ThrowIfAny({(path / "times.txt").string() + ": no line belongs to an image"});
   if (times.size() < num_times) {
     info.warnings.push_back((path / "times.txt").string() + ": the last " +
-                            std::to_string(num_times - times.size()) +
-                            " lines have no images and are left out");
+                            Counted(static_cast<std::int64_t>(num_times - times.size()), "line") +
+                            " left out: there are no images");
   }
   std::vector<FolderFrame> frames;
   for (const KittiTime& time : times) {
@@ -176,7 +167,7 @@ std::unique_ptr<Sequence> OpenKittiSequence(const fs::path& path) {
   }
   info.has_true_poses = HasTrueTrajectory(path);
   return std::make_unique<FolderSequence>(std::move(info), std::move(frames), SensorSamples{},
-                                          num_time_jumps);
+                                          table.num_time_jumps);
 }
 
 }  // namespace terrace

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "datasets/sequence.h"
+#include "datasets/text_table.h"
 
 namespace terrace {
 
@@ -29,10 +30,8 @@ struct KittiTime {
   Timestamp t;
 };
 
-/// The lines of `times.txt` that hold a time, which must rise. What is wrong goes to the last three
-/// arguments.
-std::vector<KittiTime> ReadKittiTimes(const std::filesystem::path& times, std::vector<std::string>* problems,
-                                      std::vector<std::string>* warnings, std::int64_t* num_time_jumps);
+/// The lines of `times.txt` that hold a time and whose time rises.
+Table<KittiTime> ReadKittiTimes(const std::filesystem::path& times);
 
 /// Opens a KITTI odometry folder (also with colour images). Throws SequenceError with every problem.
 std::unique_ptr<Sequence> OpenKittiSequence(const std::filesystem::path& path);

@@ -37,6 +37,15 @@ std::optional<double> ParseDouble(std::string_view cell) {
 
 std::optional<std::int64_t> ParseInt64(std::string_view cell) { return Parse<std::int64_t>(cell); }
 
+std::optional<Timestamp> ParseNanoseconds(std::string_view cell) {
+  const std::optional<std::int64_t> ns = ParseInt64(cell);
+  return ns && *ns >= 0 ? std::optional(Timestamp{*ns}) : std::nullopt;
+}
+
+std::string Counted(std::int64_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
 std::optional<std::vector<double>> ParseDoubles(std::span<const std::string_view> cells, std::size_t first,
                                                 std::size_t count) {
   if (cells.size() < first + count) return std::nullopt;

@@ -19,6 +19,11 @@ namespace terrace {
 /// The whole cell as a number; none when it is anything else, infinite or not a number.
 std::optional<double> ParseDouble(std::string_view cell);
 std::optional<std::int64_t> ParseInt64(std::string_view cell);
+/// Nanoseconds since the epoch, not negative: differences of two such times cannot overflow.
+std::optional<Timestamp> ParseNanoseconds(std::string_view cell);
+
+/// "1 line", "2 lines".
+std::string Counted(std::int64_t count, const std::string& noun);
 
 /// The first `count` cells from `first` on as numbers; none when one is missing or not a number.
 std::optional<std::vector<double>> ParseDoubles(std::span<const std::string_view> cells, std::size_t first,
@@ -53,10 +58,12 @@ class TableReader {
 template <typename Row>
 struct Table {
   std::vector<Row> rows;
-  /// Lines that broke the rule and were left out; empty: none. Names file, rule and first line.
-  std::string bad_lines;
   /// Why there are no rows: the file and the rule; empty when there are.
   std::string problem;
+  /// What was left out, a sentence each that names the file, the rule and the first line.
+  std::vector<std::string> warnings;
+  /// Rows left out because their time did not rise.
+  std::int64_t num_time_jumps = 0;
 };
 
 /// Reads all rows of a table. A first line that is no row is taken for a heading.
@@ -78,29 +85,30 @@ Table<Row> ReadTable(const std::filesystem::path& path, char separator, const st
   std::int64_t first_bad = 0;
   while (reader.Next()) {
     if (table.rows.size() == kMaxRows) {
-      table.bad_lines = path.string() + ": only the first " + std::to_string(kMaxRows) + " rows are used";
-      return table;
+      table.warnings.push_back(path.string() + ": only the first " + std::to_string(kMaxRows) +
+                               " rows are used");
+      break;
     }
     std::optional<Row> row = parse(reader.cells());
     if (row) {
       table.rows.push_back(std::move(*row));
-    } else if (num_lines > 0) {
-      if (num_bad++ == 0) first_bad = reader.line_number();
+    } else if (num_lines > 0 && num_bad++ == 0) {
+      first_bad = reader.line_number();
     }
     ++num_lines;
   }
   if (table.rows.empty()) {
     table.problem = path.string() + ": no line holds " + rule;
   } else if (num_bad > 0) {
-    table.bad_lines = path.string() + ": " + std::to_string(num_bad) + (num_bad == 1 ? " line" : " lines") +
-                      " left out, the first is line " + std::to_string(first_bad) + ": a line must hold " +
-                      rule;
+    table.warnings.push_back(path.string() + ": " + Counted(num_bad, "line") +
+                             " left out, the first is line " + std::to_string(first_bad) +
+                             ": a line must hold " + rule);
   }
   return table;
 }
 
-/// Leaves out as few rows as possible so that their times rise strictly; returns how many.
-/// One wild time stamp costs one row, not all that follow it.
+/// Leaves out as few rows as possible so that their times rise strictly; returns how many. One wild time
+/// stamp costs one row, not all that follow it.
 template <typename Row, typename TimeOf>
 std::int64_t KeepRising(std::vector<Row>* rows, TimeOf time_of) {
   // Longest strictly rising subsequence by patience sorting: tails[k] is the row with the earliest time that
@@ -129,6 +137,16 @@ std::int64_t KeepRising(std::vector<Row>* rows, TimeOf time_of) {
   for (auto i = chain.rbegin(); i != chain.rend(); ++i) kept.push_back(std::move((*rows)[*i]));
   *rows = std::move(kept);
   return num_left_out;
+}
+
+/// The same for a table, with a warning. @param noun  what a row is: "image".
+template <typename Row>
+void LeaveOutTimeJumps(const std::filesystem::path& path, const std::string& noun, Table<Row>* table) {
+  table->num_time_jumps = KeepRising(&table->rows, [](const Row& row) { return row.t; });
+  if (table->num_time_jumps > 0) {
+    table->warnings.push_back(path.string() + ": " + Counted(table->num_time_jumps, noun) +
+                              " left out: time stamps must rise");
+  }
 }
 
 }  // namespace terrace
