@@ -17,7 +17,7 @@ constexpr int kCornerLevel = 1;
 /// Around a corner, so that its patch and gradients lie in the image.
 constexpr int kMarginPx = 10;
 /// Of the smaller eigenvalue that cv::cornerMinEigenVal gives; just above what noise alone makes.
-constexpr float kMinCornerStrength = 1e-4f;
+constexpr float kMinCornerStrength = 1e-5f;
 /// Agreement of left and right patch a new landmark needs.
 constexpr float kMinStereoAgreement = 0.8f;
 /// What a disparity is good for at best, however strong its texture: interpolation and lens.

@@ -23,9 +23,8 @@ constexpr double kPixelFloorPx = 0.05;
 LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const FeatureGrid& grid)
     : camera_(camera), grid_(grid) {}
 
-std::vector<Match> LandmarkTracker::Track(const Window& window, const ImagePyramid& left,
-                                          const ImagePyramid& right, const Eigen::Isometry3d& T_world_left,
-                                          double vertical_px, const SearchOptions& options) const {
+std::vector<Match> LandmarkTracker::Candidates(const Window& window, const Eigen::Isometry3d& T_world_left,
+                                               int max_per_cell) const {
   std::vector<Eigen::Isometry3d> T_left_host;
   for (const Keyframe& keyframe : window.keyframes)
     T_left_host.push_back(T_world_left.inverse() * keyframe.T_world_left);
@@ -48,31 +47,79 @@ std::vector<Match> LandmarkTracker::Track(const Window& window, const ImagePyram
     match.scale = std::sqrt(match.predicted.A_here_host.determinant());
     if (match.scale < kMinScale || match.scale > kMaxScale) continue;
     // Seen from nearly the same place and often before: most likely to be found, and known best.
-    candidate.rank = std::min<double>(landmark.observations.size(), 4.0) * 0.25 -
-                     std::abs(std::log2(match.scale)) - 0.5 * landmark.num_failures;
+    candidate.rank = std::min<double>(landmark.num_tracked, 10.0) * 0.1 - std::abs(std::log2(match.scale)) -
+                     0.5 * landmark.num_failures;
     candidate.cell = grid_.CellOf(uvd.x(), uvd.y());
     candidates.push_back(std::move(candidate));
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.rank > b.rank; });
 
-  std::vector<int> tried(static_cast<std::size_t>(grid_.num_cells()), 0);
+  std::vector<int> taken(static_cast<std::size_t>(grid_.num_cells()), 0);
+  std::vector<Match> chosen;
+  for (const Candidate& candidate : candidates)
+    if (taken[static_cast<std::size_t>(candidate.cell)]++ < max_per_cell) chosen.push_back(candidate.match);
+  return chosen;
+}
+
+std::vector<Match> LandmarkTracker::Track(const Window& window, const ImagePyramid& left,
+                                          const ImagePyramid& right, const Eigen::Isometry3d& T_world_left,
+                                          double vertical_px, const SearchOptions& options) const {
   std::vector<Match> matches;
-  for (Candidate& candidate : candidates) {
-    int& in_cell = tried[static_cast<std::size_t>(candidate.cell)];
-    if (in_cell >= options.max_per_cell) continue;
-    ++in_cell;
-    Match& match = candidate.match;
+  for (Match& match : Candidates(window, T_world_left, options.max_per_cell)) {
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
-    if (!FindInLeft(landmark, window.at(landmark.host).left, left, options.start_level, match)) continue;
-    if (options.use_right) FindInRight(left, right, vertical_px, match);
+    if (!FindInLeft(landmark, window.at(landmark.host).left, left, options, match)) continue;
+    if (options.use_right && match.level == 0) FindInRight(left, right, vertical_px, match);
     matches.push_back(match);
   }
   return matches;
 }
 
+std::vector<Match> LandmarkTracker::SearchWide(const Window& window, const ImagePyramid& left,
+                                               const Eigen::Isometry3d& T_world_left) const {
+  constexpr int kLevel = 2;
+  constexpr float kScale = 1 << kLevel;
+  constexpr std::size_t kMaxLandmarks = 80;
+  constexpr int kStridePx = 2;  // patches are smooth: every second position, the pose finds the rest
+  constexpr float kMinCorrelation = 0.8f;
+  constexpr double kSigmaPx = 3.0;
+  const cv::Mat1b& image = left[kLevel];
+  const int radius = image.cols / 6;
+  std::vector<Match> found;
+  const std::vector<Match> candidates = Candidates(window, T_world_left, 1);
+  const std::size_t every = candidates.size() / kMaxLandmarks + 1;
+  for (std::size_t i = 0; i < candidates.size(); i += every) {
+    Match match = candidates[i];
+    const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
+    const Eigen::Matrix2f A_host_here = match.predicted.A_here_host.inverse().cast<float>();
+    PatchTemplate patch;
+    if (!ExtractTemplate(window.at(landmark.host).left[kLevel], landmark.pixel_host.cast<float>() / kScale,
+                         A_host_here, patch))
+      continue;
+    const Eigen::Vector2f expected = match.predicted.uvd.head<2>().cast<float>() / kScale;
+    float best = kMinCorrelation;
+    for (int dv = -radius; dv <= radius; dv += kStridePx) {
+      for (int du = -radius; du <= radius; du += kStridePx) {
+        const Eigen::Vector2i corner(
+            static_cast<int>(std::lround(expected.x() + PatchTemplate::Offset(0))) + du,
+            static_cast<int>(std::lround(expected.y() + PatchTemplate::Offset(0))) + dv);
+        const float correlation = Correlation(image, patch, corner.x(), corner.y());
+        if (correlation <= best) continue;
+        best = correlation;
+        match.measurement.uvd << (corner.cast<double>().array() - PatchTemplate::Offset(0)).matrix() * kScale,
+            0.0;
+      }
+    }
+    if (best <= kMinCorrelation) continue;
+    match.level = kLevel;
+    match.measurement.covariance_uv = Eigen::Matrix2d::Identity() * (kSigmaPx * kSigmaPx);
+    found.push_back(match);
+  }
+  return found;
+}
+
 bool LandmarkTracker::FindInLeft(const Landmark& landmark, const ImagePyramid& host, const ImagePyramid& left,
-                                 int start_level, Match& match) const {
+                                 const SearchOptions& options, Match& match) const {
   constexpr int kMaxIterations = 8;
   constexpr float kMaxShiftPx = 8.0f;        // on the level searched
   constexpr float kMaxShiftFinestPx = 4.0f;  // after a coarser level has agreed
@@ -84,7 +131,7 @@ bool LandmarkTracker::FindInLeft(const Landmark& landmark, const ImagePyramid& h
   PatchTemplate patch;
   Alignment alignment;
   int found_level = -1;
-  for (int level = start_level; level >= 0; --level) {
+  for (int level = options.start_level; level >= options.finest_level; --level) {
     const int host_level = std::clamp(level + host_shift, 0, ImagePyramid::kNumLevels - 1);
     const float here = static_cast<float>(1 << level);
     const float there = static_cast<float>(1 << host_level);
@@ -101,7 +148,9 @@ bool LandmarkTracker::FindInLeft(const Landmark& landmark, const ImagePyramid& h
         alignment.covariance.cast<double>() * (here * here) +
         Eigen::Matrix2d::Identity() * (kPixelFloorPx * kPixelFloorPx * here * here);
   }
-  if (found_level < 0 || found_level > 1) return false;
+  constexpr int kCoarsestUseful = 2;
+  if (found_level < 0 || found_level > kCoarsestUseful) return false;
+  match.level = found_level;
   match.measurement.uvd << position.cast<double>(), 0.0;
   return true;
 }

@@ -17,11 +17,13 @@ struct Match {
   Projection predicted;      ///< where it was expected
   double vertical_px = 0.0;  ///< v in the right image less v in the left one
   double scale = 1.0;        ///< size here over size in the host
+  int level = 0;             ///< of the pyramid on which it was found at last
 };
 
 /// How landmarks are looked for.
 struct SearchOptions {
-  int start_level = 2;    ///< of the pyramid: how far off the prediction may be
+  int start_level = 1;    ///< of the pyramid: how far off the prediction may be
+  int finest_level = 0;   ///< where the search ends
   int max_per_cell = 2;   ///< landmarks tried in one cell of the grid
   bool use_right = true;  ///< measure disparities, too
 };
@@ -36,10 +38,16 @@ class LandmarkTracker {
   std::vector<Match> Track(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
                            const Eigen::Isometry3d& T_world_left, double vertical_px,
                            const SearchOptions& options) const;
+  /// Looks everywhere within a quarter of the image around the prediction, for some landmarks, coarsely: for
+  /// when the prediction is worth little.
+  std::vector<Match> SearchWide(const Window& window, const ImagePyramid& left,
+                                const Eigen::Isometry3d& T_world_left) const;
 
  private:
+  std::vector<Match> Candidates(const Window& window, const Eigen::Isometry3d& T_world_left,
+                                int max_per_cell) const;
   bool FindInLeft(const Landmark& landmark, const ImagePyramid& host, const ImagePyramid& left,
-                  int start_level, Match& match) const;
+                  const SearchOptions& options, Match& match) const;
   void FindInRight(const ImagePyramid& left, const ImagePyramid& right, double vertical_px,
                    Match& match) const;
 

@@ -15,7 +15,7 @@ namespace {
 constexpr int kSize = PatchTemplate::kSize;
 constexpr int kArea = PatchTemplate::kArea;
 /// Below this the smaller eigenvalue of the gradient matrix, per pixel, tells noise from noise [grey^2].
-constexpr float kMinTexture = 1.0f;
+constexpr float kMinTexture = 0.3f;
 
 typedef float Float4 __attribute__((vector_size(16)));
 typedef std::uint8_t Byte4 __attribute__((vector_size(4)));
@@ -192,6 +192,24 @@ bool Align(const cv::Mat1b& image, const PatchTemplate& patch, const Eigen::Vect
     }
   }
   return false;
+}
+
+float Correlation(const cv::Mat1b& image, const PatchTemplate& patch, int u, int v) {
+  if (u < 0 || v < 0 || u + kSize > image.cols || v + kSize > image.rows) return -1.0f;
+  Float4 cross{}, one{}, square{}, own{};
+  for (int j = 0; j < kSize; ++j) {
+    const std::uint8_t* row = image[v + j] + u;
+    for (int i = 0; i < kSize; i += 4) {
+      const Float4 s = LoadBytes(row + i);
+      const Float4 t = Load(patch.value + j * kSize + i);
+      cross += s * t;
+      one += s;
+      square += s * s;
+      own += t * t;
+    }
+  }
+  const float variance = Sum(square) - Sum(one) * Sum(one) / kArea;
+  return Sum(cross) / std::sqrt(std::max(variance * Sum(own), 1.0f));
 }
 
 bool AlignStereo(const cv::Mat1b& left, const cv::Mat1b& right, const Eigen::Vector2f& position_left,

@@ -40,6 +40,9 @@ struct Alignment {
 bool Align(const cv::Mat1b& image, const PatchTemplate& patch, const Eigen::Vector2f& start,
            int max_iterations, float max_shift_px, Alignment& result);
 
+/// Normalised correlation of a template with the image patch whose first sample is pixel (u, v); -1 outside.
+float Correlation(const cv::Mat1b& image, const PatchTemplate& patch, int u, int v);
+
 /// A feature of the left image in the right one, with the slant of the surface it lies on.
 struct StereoAlignment {
   float disparity_px = 0.0f;

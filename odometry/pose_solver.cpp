@@ -50,7 +50,8 @@ double Cost(const std::vector<PoseConstraint>& constraints, const Eigen::Isometr
   double cost = 0.0;
   Eigen::Vector3d r;
   for (const PoseConstraint& c : constraints)
-    cost += Residual(c, R, t, camera, r, nullptr) ? std::min(r.squaredNorm(), kMaxChi2) : kMaxChi2;
+    cost +=
+        c.trust * (Residual(c, R, t, camera, r, nullptr) ? std::min(r.squaredNorm(), kMaxChi2) : kMaxChi2);
   return cost;
 }
 
@@ -118,6 +119,8 @@ PoseSolution SolvePose(const std::vector<PoseConstraint>& constraints, const Pos
   for (int i = 0; i < n; ++i) all[static_cast<std::size_t>(i)] = i;
 
   // First the prior itself and what all points make of it, then samples of three.
+  double worst_cost = 0.0;
+  for (const PoseConstraint& c : constraints) worst_cost += c.trust * kMaxChi2;
   double best_cost = Cost(constraints, prior.T_world_left, camera);
   const auto Try = [&](const Eigen::Isometry3d& T) {
     const double cost = Cost(constraints, T, camera);
@@ -140,7 +143,7 @@ PoseSolution SolvePose(const std::vector<PoseConstraint>& constraints, const Pos
     }
     T = best.T_world_left;
     if (Refine(constraints, chosen, prior, 1e-3, camera, 5, 0.0, T, nullptr)) Try(T);
-    const double good = std::clamp(1.0 - best_cost / (kMaxChi2 * n), 0.01, 0.99);
+    const double good = std::clamp(1.0 - best_cost / worst_cost, 0.01, 0.99);
     num_samples = std::min(
         kMaxSamples, static_cast<int>(std::log(1.0 - kConfidence) / std::log(1.0 - good * good * good)) + 1);
   }

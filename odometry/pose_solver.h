@@ -20,6 +20,8 @@ struct PoseConstraint {
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero();
   /// Makes residuals (u, v, disparity) independent with unit variance; rows of zeros: not measured.
   Eigen::Matrix3d whitening = Eigen::Matrix3d::Identity();
+  /// Weight when hypotheses compete: what has long stood still is believed before what is new.
+  double trust = 1.0;
 };
 
 /// What was known about the pose before looking.

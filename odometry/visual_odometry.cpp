@@ -69,10 +69,9 @@ class VisualOdometry::Impl {
     if (!last_) return Start(frame, left, right, samples);
 
     const Motion predicted = Predict(frame.t_capture, samples);
-    std::vector<Match> matches;
-    PoseSolution solution;
-    if (!FindPose(left, right, predicted, static_cast<std::uint32_t>(frame.frame_id), matches, solution))
-      return Bridged(frame.frame_id, frame.t_capture, predicted, "too few features found again");
+    const auto found = FindPose(left, right, predicted, static_cast<std::uint32_t>(frame.frame_id));
+    if (!found) return Unfound(frame, left, right, predicted);
+    const auto& [matches, solution] = *found;
 
     PoseEstimate pose = Tracked(frame, predicted, matches, solution);
     UpdateVertical(matches, solution);
@@ -190,34 +189,70 @@ class VisualOdometry::Impl {
       c.uvd = match.measurement.uvd;
       c.whitening =
           Whitening(match.measurement, match.predicted.uvd_by_inverse_depth, landmark.inverse_depth_sigma);
+      constexpr double kTrustOfNew = 0.3;
+      constexpr double kTrustPerFrame = 0.2;
+      c.trust = std::min(1.0, kTrustOfNew + kTrustPerFrame * landmark.num_tracked);
       constraints.push_back(c);
     }
     return constraints;
   }
 
-  /// Looks from where the motion model expects the camera; when that fails, wider, and as if nothing had
-  /// moved: at a foot strike the model is wrong.
-  bool FindPose(const ImagePyramid& left, const ImagePyramid& right, const Motion& predicted,
-                std::uint32_t seed, std::vector<Match>& matches, PoseSolution& solution) const {
-    const Eigen::Isometry3d expected = last_->T_world_left * predicted.T_last_left;
-    struct Attempt {
-      Eigen::Isometry3d T_world_left;
-      int start_level;
+  struct Found {
+    std::vector<Match> matches;
+    PoseSolution solution;
+  };
+
+  Found Solve(std::vector<Match> matches, const PosePrior& prior, std::uint32_t seed) const {
+    Found found;
+    found.solution = SolvePose(Constraints(matches), prior, camera_, seed);
+    found.matches = std::move(matches);
+    return found;
+  }
+
+  bool Convincing(const Found& found, double min_share) const {
+    return found.solution.num_inliers >= config_.min_inliers &&
+           found.solution.num_inliers >= min_share * static_cast<double>(found.matches.size());
+  }
+
+  /// First roughly, with a few landmarks on coarse levels, from where the motion model expects the camera; at
+  /// a foot strike the model is wrong, so that standing still and a wide search compete with it. Then finely,
+  /// with all landmarks, from the rough pose.
+  std::optional<Found> FindPose(const ImagePyramid& left, const ImagePyramid& right, const Motion& predicted,
+                                std::uint32_t seed) const {
+    constexpr double kMinShareRough = 0.5;
+    constexpr double kMinShareFine = 0.35;
+    PosePrior prior;
+    prior.T_world_left = last_->T_world_left * predicted.T_last_left;
+    prior.information = predicted.covariance.inverse();
+
+    const SearchOptions rough{3, 1, 1, false};
+    const auto FindRoughly = [&](const Eigen::Isometry3d& from) {
+      PosePrior weak = prior;
+      weak.T_world_left = from;
+      return Solve(tracker_.Track(window_, left, right, from, vertical_px_, rough), weak, seed);
     };
-    for (const Attempt& attempt :
-         {Attempt{expected, 2}, Attempt{expected, 3}, Attempt{last_->T_world_left, 3}}) {
-      SearchOptions options;
-      options.start_level = attempt.start_level;
-      matches = tracker_.Track(window_, left, right, attempt.T_world_left, vertical_px_, options);
-      PosePrior prior;
-      prior.T_world_left = attempt.T_world_left;
-      prior.information = predicted.covariance.inverse();
-      solution = SolvePose(Constraints(matches), prior, camera_, seed);
-      if (solution.num_inliers >= config_.min_inliers &&
-          3 * solution.num_inliers >= static_cast<int>(matches.size()))
-        return true;
+    Found coarse = FindRoughly(prior.T_world_left);
+    if (!Convincing(coarse, kMinShareRough)) {
+      const Found still = FindRoughly(last_->T_world_left);
+      if (still.solution.num_inliers > coarse.solution.num_inliers) coarse = still;
     }
-    return false;
+    if (!Convincing(coarse, kMinShareRough)) {
+      PosePrior vague = prior;
+      vague.information *= 0.1;
+      const Found wide = Solve(tracker_.SearchWide(window_, left, prior.T_world_left), vague, seed);
+      const Found again = FindRoughly(wide.solution.T_world_left);
+      if (again.solution.num_inliers > coarse.solution.num_inliers) coarse = again;
+    }
+    if (!Convincing(coarse, 0.0)) return std::nullopt;
+
+    prior.information *= 0.01;  // only against what the images leave open
+    for (const int start_level : {1, 2}) {
+      const Found fine = Solve(tracker_.Track(window_, left, right, coarse.solution.T_world_left,
+                                              vertical_px_, {start_level, 0, 2, true}),
+                               prior, seed);
+      if (Convincing(fine, kMinShareFine)) return fine;
+    }
+    return std::nullopt;
   }
 
   PoseEstimate Tracked(const StereoFrame& frame, const Motion& predicted, const std::vector<Match>& matches,
@@ -244,6 +279,7 @@ class VisualOdometry::Impl {
           (pose.T_world_left.translation() - last_->T_world_left.translation()) / predicted.dt_s;
     }
     bridged_s_ = 0.0;
+    num_strange_frames_ = 0;
     return pose;
   }
 
@@ -269,6 +305,26 @@ class VisualOdometry::Impl {
     return pose;
   }
 
+  /// Nothing of the window was found: bridge, and when images stay good but strange, start a new window from
+  /// the bridged pose.
+  PoseEstimate Unfound(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
+                       const Motion& predicted) {
+    constexpr int kMaxStrangeFrames = 4;
+    PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted, "too few features found again");
+    const std::vector<bool> nothing(static_cast<std::size_t>(grid_.num_cells()), false);
+    std::vector<Landmark> landmarks = finder_.Find(left, right, nothing, vertical_px_);
+    if (static_cast<int>(landmarks.size()) < 2 * config_.min_inliers) {
+      pose.reason = "the images show too few features";
+      return pose;
+    }
+    if (++num_strange_frames_ < kMaxStrangeFrames) return pose;
+    num_strange_frames_ = 0;
+    window_ = {};
+    keyframe_covariance_ = pose.covariance;
+    AddKeyframe(frame, left, right, pose.T_world_left, {}, {});
+    return pose;
+  }
+
   void Remember(const PoseEstimate& pose) { last_ = pose; }
 
   void UpdateVertical(const std::vector<Match>& matches, const PoseSolution& solution) {
@@ -291,8 +347,9 @@ class VisualOdometry::Impl {
 
   void CountFailures(const std::vector<Match>& matches, const PoseSolution& solution) {
     for (std::size_t i = 0; i < matches.size(); ++i) {
-      int& failures = window_.landmarks[static_cast<std::size_t>(matches[i].landmark)].num_failures;
-      failures = solution.inlier[i] ? 0 : failures + 1;
+      Landmark& landmark = window_.landmarks[static_cast<std::size_t>(matches[i].landmark)];
+      landmark.num_failures = solution.inlier[i] ? 0 : landmark.num_failures + 1;
+      landmark.num_tracked += solution.inlier[i];
     }
   }
 
@@ -381,6 +438,7 @@ class VisualOdometry::Impl {
   Eigen::Vector3d velocity_world_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_rate_ = Eigen::Vector3d::Zero();
   double bridged_s_ = 0.0;
+  int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's
 
   Eigen::Isometry3d correction_ = Eigen::Isometry3d::Identity();  ///< still to be taken over
   Gravity gravity_;

@@ -44,7 +44,8 @@ struct Landmark {
   double disparity_host_px = 0.0;  ///< as measured in the host
   double disparity_host_sigma_px = 1.0;
   std::vector<Observation> observations;  ///< in later keyframes
-  int num_failures = 0;                   ///< in a row: looked for and not found, or found elsewhere
+  int num_failures = 0;                   ///< in a row: found where it cannot be
+  int num_tracked = 0;                    ///< frames that agreed with it
 };
 
 struct Keyframe {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Plays sequences through the odometry alone and compares with the truth:
-//   terrace_odometry_run SEQUENCE... [--no-imu] [--out DIR] [--sgbm]
+//   terrace_odometry_run SEQUENCE... [--no-imu] [--damage NAME|all]... [--out DIR] [--sgbm]
+// --damage: one of DamageNames(), or all of them, after the undamaged sequence.
 // --out writes one text line a frame (pose, truth, error, sigmas); --sgbm compares the CPU time with OpenCV's
 // StereoSGBM, 128 disparities, padded, on every eighth frame of the same run.
 #include <algorithm>
@@ -20,6 +21,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "damage.h"
 #include "datasets/sequence.h"
 #include "odometry/rotation.h"
 #include "odometry/visual_odometry.h"
@@ -294,6 +296,7 @@ void Print(const std::string& title, const Outcome& o) {
 int main(int argc, char** argv) {
   using namespace terrace;
   std::vector<std::string> sequences;
+  std::vector<std::string> damages;
   Options options;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
@@ -301,7 +304,13 @@ int main(int argc, char** argv) {
       options.use_imu = false;
     else if (argument == "--sgbm")
       options.sgbm = true;
-    else if (argument == "--out" && i + 1 < argc)
+    else if (argument == "--damage" && i + 1 < argc) {
+      const std::string name = argv[++i];
+      if (name == "all")
+        damages = DamageNames();
+      else
+        damages.push_back(name);
+    } else if (argument == "--out" && i + 1 < argc)
       options.out = argv[++i];
     else
       sequences.push_back(argument);
@@ -309,7 +318,17 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);
   for (const std::string& path : sequences) {
     const Recording recording = Load(path);
-    Print(recording.name + (options.use_imu ? "" : " no-imu"), Run(recording, options, ""));
+    const std::string name = recording.name + (options.use_imu ? "" : " no-imu");
+    const Outcome undamaged = Run(recording, options, "");
+    Print(name, undamaged);
+    for (const std::string& damage : damages) {
+      Recording worse = recording;
+      ApplyDamage(damage, worse.frames, worse.samples);
+      const Outcome outcome = Run(worse, options, "_" + damage);
+      Print(name + " " + damage +
+                (outcome.ate_mm <= 3.0 * undamaged.ate_mm && outcome.lost == 0 ? " ok" : " BAD"),
+            outcome);
+    }
   }
   return 0;
 }

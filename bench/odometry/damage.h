@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/sensor_frame.h"
+#include "stereo/stereo_frame.h"
+
+namespace terrace {
+
+/// The ways in which a sequence can be made worse, by name.
+const std::vector<std::string>& DamageNames();
+
+/// Damages a sequence in memory. Pixels are copied before they are touched; samples of frames that are
+/// dropped go to the next one. Same input, same damage.
+void ApplyDamage(const std::string& name, std::vector<StereoFrame>& frames,
+                 std::vector<SensorSamples>& samples);
+
+}  // namespace terrace
