@@ -15,7 +15,7 @@ namespace {
 constexpr int kSize = PatchTemplate::kSize;
 constexpr int kArea = PatchTemplate::kArea;
 /// Below this the smaller eigenvalue of the gradient matrix, per pixel, tells noise from noise [grey^2].
-constexpr float kMinTexture = 0.3f;
+constexpr float kMinTexture = 0.1f;
 
 typedef float Float4 __attribute__((vector_size(16)));
 typedef std::uint8_t Byte4 __attribute__((vector_size(4)));

@@ -113,6 +113,7 @@ PoseSolution SolvePose(const std::vector<PoseConstraint>& constraints, const Pos
   PoseSolution best;
   best.T_world_left = prior.T_world_left;
   best.inlier.assign(constraints.size(), false);
+  best.chi2.assign(constraints.size(), kMaxChi2);
   if (n < 4) return best;
 
   std::vector<int> all(constraints.size());
@@ -170,8 +171,9 @@ PoseSolution SolvePose(const std::vector<PoseConstraint>& constraints, const Pos
   for (int i = 0; i < n; ++i) {
     const PoseConstraint& c = constraints[static_cast<std::size_t>(i)];
     Eigen::Vector3d r;
-    if (!Residual(c, R, best.T_world_left.translation(), camera, r, nullptr) || r.squaredNorm() >= kMaxChi2)
-      continue;
+    if (!Residual(c, R, best.T_world_left.translation(), camera, r, nullptr)) continue;
+    best.chi2[static_cast<std::size_t>(i)] = r.squaredNorm();
+    if (r.squaredNorm() >= kMaxChi2) continue;
     best.inlier[static_cast<std::size_t>(i)] = true;
     ++best.num_inliers;
     chi2 += r.squaredNorm();

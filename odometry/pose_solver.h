@@ -34,6 +34,7 @@ struct PoseSolution {
   Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
   Matrix6d information = Matrix6d::Zero();  ///< rotation, translation; left frame
   std::vector<bool> inlier;                 ///< of each constraint
+  std::vector<double> chi2;                 ///< of each constraint
   int num_inliers = 0;
   double rms_px = 0.0;     ///< of the inliers, over u and v
   double mean_chi2 = 0.0;  ///< of the inliers, per measured component

@@ -74,6 +74,7 @@ class VisualOdometry::Impl {
     const auto& [matches, solution] = *found;
 
     PoseEstimate pose = Tracked(frame, predicted, matches, solution);
+    UpdateNoiseScale(solution);
     UpdateVertical(matches, solution);
     CountFailures(matches, solution);
     if (NeedsKeyframe(matches, solution))
@@ -137,7 +138,11 @@ class VisualOdometry::Impl {
   Motion Predict(Timestamp t_capture, const SensorSamples& samples) const {
     Motion motion;
     motion.dt_s = Seconds(t_capture - last_->t_capture);
-    motion.T_last_left.linear() = ExpRotation(rotation_rate_ * motion.dt_s);
+    // What the body does just now soon turns into what it does on average.
+    constexpr double kMemory_s = 0.1;
+    const double now_s = kMemory_s * (1.0 - std::exp(-motion.dt_s / kMemory_s));
+    const double later_s = motion.dt_s - now_s;
+    motion.T_last_left.linear() = ExpRotation(rotation_rate_ * now_s);
     double rotation_sigma = kModelRotationSigma * motion.dt_s;
     if (config_.use_imu && mounting_.T_left_imu && !samples.imu.empty()) {
       Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
@@ -151,8 +156,8 @@ class VisualOdometry::Impl {
       motion.T_last_left.linear() = R;
       rotation_sigma = kGyroRotationSigma * motion.dt_s + 0.002;
     }
-    motion.T_last_left.translation() =
-        last_->T_world_left.linear().transpose() * velocity_world_ * motion.dt_s;
+    motion.T_last_left.translation() = last_->T_world_left.linear().transpose() *
+                                       (velocity_world_ * now_s + mean_velocity_world_ * later_s);
     motion.covariance = DiagonalCovariance(rotation_sigma, kModelTranslationSigma * motion.dt_s);
     return motion;
   }
@@ -189,6 +194,7 @@ class VisualOdometry::Impl {
       c.uvd = match.measurement.uvd;
       c.whitening =
           Whitening(match.measurement, match.predicted.uvd_by_inverse_depth, landmark.inverse_depth_sigma);
+      c.whitening /= std::sqrt(noise_scale_);
       constexpr double kTrustOfNew = 0.3;
       constexpr double kTrustPerFrame = 0.2;
       c.trust = std::min(1.0, kTrustOfNew + kTrustPerFrame * landmark.num_tracked);
@@ -225,7 +231,7 @@ class VisualOdometry::Impl {
     prior.T_world_left = last_->T_world_left * predicted.T_last_left;
     prior.information = predicted.covariance.inverse();
 
-    const SearchOptions rough{3, 1, 1, false};
+    const SearchOptions rough{3, 0, 1, false};
     const auto FindRoughly = [&](const Eigen::Isometry3d& from) {
       PosePrior weak = prior;
       weak.T_world_left = from;
@@ -297,10 +303,8 @@ class VisualOdometry::Impl {
     const Matrix6d transport = ErrorTransport(predicted.T_last_left);
     pose.covariance = transport * last_->covariance * transport.transpose() + predicted.covariance;
     pose.vertical_disparity_px = vertical_px_;
-    // A motion that nobody sees dies down.
-    constexpr double kDecayPerSecond = 0.3;
-    velocity_world_ *= std::pow(kDecayPerSecond, predicted.dt_s);
-    rotation_rate_ *= std::pow(kDecayPerSecond, predicted.dt_s);
+    velocity_world_ = mean_velocity_world_;
+    rotation_rate_.setZero();
     Remember(pose);
     return pose;
   }
@@ -326,6 +330,18 @@ class VisualOdometry::Impl {
   }
 
   void Remember(const PoseEstimate& pose) { last_ = pose; }
+
+  /// Real lenses and calibrations are worse than their patches claim: learns by how much, from the median.
+  void UpdateNoiseScale(const PoseSolution& solution) {
+    constexpr double kMedianChi2 = 2.37;  // of three components
+    constexpr double kRate = 0.05;
+    constexpr double kMaxScale = 30.0;
+    std::vector<double> chi2 = solution.chi2;
+    const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
+    std::nth_element(chi2.begin(), middle, chi2.end());
+    noise_scale_ = std::clamp(noise_scale_ * (1.0 + kRate * (std::min(*middle / kMedianChi2, 3.0) - 1.0)),
+                              1.0, kMaxScale);
+  }
 
   void UpdateVertical(const std::vector<Match>& matches, const PoseSolution& solution) {
     std::vector<double> errors;
@@ -436,12 +452,14 @@ class VisualOdometry::Impl {
 
   std::optional<PoseEstimate> last_;
   Eigen::Vector3d velocity_world_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_velocity_world_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_rate_ = Eigen::Vector3d::Zero();
   double bridged_s_ = 0.0;
   int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's
 
   Eigen::Isometry3d correction_ = Eigen::Isometry3d::Identity();  ///< still to be taken over
   Gravity gravity_;
+  double noise_scale_ = 1.0;  ///< variance of residuals over what the patches claim
   double vertical_px_ = 0.0;
   bool warned_of_vertical_ = false;
   std::vector<std::string> warnings_;

@@ -212,10 +212,14 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
   const std::size_t n = estimated.size();
   if (n < 3) return out;
 
-  Eigen::Matrix3Xd p_est(3, n), p_true(3, n);
-  for (std::size_t i = 0; i < n; ++i) {
-    p_est.col(static_cast<Eigen::Index>(i)) = estimated[i].translation();
-    p_true.col(static_cast<Eigen::Index>(i)) = truth[i].translation();
+  // Bridged poses are guesses and say so: they count in the relative errors, not in the ATE.
+  std::vector<std::size_t> seen;
+  for (std::size_t i = 0; i < n; ++i)
+    if (used[i]->status == TrackingStatus::kTracking) seen.push_back(i);
+  Eigen::Matrix3Xd p_est(3, seen.size()), p_true(3, seen.size());
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    p_est.col(static_cast<Eigen::Index>(k)) = estimated[seen[k]].translation();
+    p_true.col(static_cast<Eigen::Index>(k)) = truth[seen[k]].translation();
   }
   const Eigen::Matrix4d T_align = Eigen::umeyama(p_est, p_true, false);
   const Eigen::Matrix3Xd errors =
