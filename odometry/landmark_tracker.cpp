@@ -62,21 +62,23 @@ std::vector<Match> LandmarkTracker::Candidates(const Window& window, const Eigen
   return chosen;
 }
 
-std::vector<Match> LandmarkTracker::Track(const Window& window, const ImagePyramid& left,
-                                          const ImagePyramid& right, const Eigen::Isometry3d& T_world_left,
-                                          double vertical_px, const SearchOptions& options) const {
-  std::vector<Match> matches;
+Matches LandmarkTracker::Track(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
+                               const Eigen::Isometry3d& T_world_left, double vertical_px,
+                               const SearchOptions& options) const {
+  Matches matches;
   for (Match& match : Candidates(window, T_world_left, options.max_per_cell)) {
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
+    ++matches.num_tried;
+    matches.trust_tried += landmark.trust();
     if (!FindInLeft(landmark, window.at(landmark.host).left, left, options, match)) continue;
     if (options.use_right && match.level == 0) FindInRight(left, right, vertical_px, match);
-    matches.push_back(match);
+    matches.found.push_back(match);
   }
   return matches;
 }
 
-std::vector<Match> LandmarkTracker::SearchWide(const Window& window, const ImagePyramid& left,
-                                               const Eigen::Isometry3d& T_world_left) const {
+Matches LandmarkTracker::SearchWide(const Window& window, const ImagePyramid& left,
+                                    const Eigen::Isometry3d& T_world_left) const {
   constexpr int kLevel = 2;
   constexpr float kScale = 1 << kLevel;
   constexpr std::size_t kMaxLandmarks = 80;
@@ -85,12 +87,14 @@ std::vector<Match> LandmarkTracker::SearchWide(const Window& window, const Image
   constexpr double kSigmaPx = 3.0;
   const cv::Mat1b& image = left[kLevel];
   const int radius = image.cols / 6;
-  std::vector<Match> found;
+  Matches matches;
   const std::vector<Match> candidates = Candidates(window, T_world_left, 1);
   const std::size_t every = candidates.size() / kMaxLandmarks + 1;
   for (std::size_t i = 0; i < candidates.size(); i += every) {
     Match match = candidates[i];
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
+    ++matches.num_tried;
+    matches.trust_tried += landmark.trust();
     const Eigen::Matrix2f A_host_here = match.predicted.A_here_host.inverse().cast<float>();
     PatchTemplate patch;
     if (!ExtractTemplate(window.at(landmark.host).left[kLevel], landmark.pixel_host.cast<float>() / kScale,
@@ -113,9 +117,9 @@ std::vector<Match> LandmarkTracker::SearchWide(const Window& window, const Image
     if (best <= kMinCorrelation) continue;
     match.level = kLevel;
     match.measurement.covariance_uv = Eigen::Matrix2d::Identity() * (kSigmaPx * kSigmaPx);
-    found.push_back(match);
+    matches.found.push_back(match);
   }
-  return found;
+  return matches;
 }
 
 bool LandmarkTracker::FindInLeft(const Landmark& landmark, const ImagePyramid& host, const ImagePyramid& left,

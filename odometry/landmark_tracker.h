@@ -28,6 +28,12 @@ struct SearchOptions {
   bool use_right = true;  ///< measure disparities, too
 };
 
+struct Matches {
+  std::vector<Match> found;
+  int num_tried = 0;         ///< landmarks looked for
+  double trust_tried = 0.0;  ///< sum over these
+};
+
 /// Looks for the window's landmarks in a new frame. Each is predicted from the pose expected and looked for
 /// with the texture of its host keyframe, warped as its plane demands, so that errors do not add up from
 /// frame to frame.
@@ -35,13 +41,13 @@ class LandmarkTracker {
  public:
   LandmarkTracker(const StereoCamera& camera, const FeatureGrid& grid);
 
-  std::vector<Match> Track(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
-                           const Eigen::Isometry3d& T_world_left, double vertical_px,
-                           const SearchOptions& options) const;
+  Matches Track(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
+                const Eigen::Isometry3d& T_world_left, double vertical_px,
+                const SearchOptions& options) const;
   /// Looks everywhere within a quarter of the image around the prediction, for some landmarks, coarsely: for
   /// when the prediction is worth little.
-  std::vector<Match> SearchWide(const Window& window, const ImagePyramid& left,
-                                const Eigen::Isometry3d& T_world_left) const;
+  Matches SearchWide(const Window& window, const ImagePyramid& left,
+                     const Eigen::Isometry3d& T_world_left) const;
 
  private:
   std::vector<Match> Candidates(const Window& window, const Eigen::Isometry3d& T_world_left,

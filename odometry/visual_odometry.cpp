@@ -71,7 +71,8 @@ class VisualOdometry::Impl {
     const Motion predicted = Predict(frame.t_capture, samples);
     const auto found = FindPose(left, right, predicted, static_cast<std::uint32_t>(frame.frame_id));
     if (!found) return Unfound(frame, left, right, predicted);
-    const auto& [matches, solution] = *found;
+    const std::vector<Match>& matches = found->matches;
+    const PoseSolution& solution = found->solution;
 
     PoseEstimate pose = Tracked(frame, predicted, matches, solution);
     UpdateNoiseScale(solution);
@@ -156,8 +157,8 @@ class VisualOdometry::Impl {
       motion.T_last_left.linear() = R;
       rotation_sigma = kGyroRotationSigma * motion.dt_s + 0.002;
     }
-    motion.T_last_left.translation() = last_->T_world_left.linear().transpose() *
-                                       (velocity_world_ * now_s + mean_velocity_world_ * later_s);
+    motion.T_last_left.translation() =
+        last_->T_world_left.linear().transpose() * (velocity_world_ * now_s + mean_velocity_world_ * later_s);
     motion.covariance = DiagonalCovariance(rotation_sigma, kModelTranslationSigma * motion.dt_s);
     return motion;
   }
@@ -195,9 +196,7 @@ class VisualOdometry::Impl {
       c.whitening =
           Whitening(match.measurement, match.predicted.uvd_by_inverse_depth, landmark.inverse_depth_sigma);
       c.whitening /= std::sqrt(noise_scale_);
-      constexpr double kTrustOfNew = 0.3;
-      constexpr double kTrustPerFrame = 0.2;
-      c.trust = std::min(1.0, kTrustOfNew + kTrustPerFrame * landmark.num_tracked);
+      c.trust = landmark.trust();
       constraints.push_back(c);
     }
     return constraints;
@@ -206,58 +205,73 @@ class VisualOdometry::Impl {
   struct Found {
     std::vector<Match> matches;
     PoseSolution solution;
+    double mean_trust = 0.0;        ///< of the inliers
+    double mean_trust_tried = 0.0;  ///< of all that were looked for
+    double share = 0.0;             ///< of what was looked for and is trusted, found where the pose says
   };
 
-  Found Solve(std::vector<Match> matches, const PosePrior& prior, std::uint32_t seed) const {
+  Found Solve(Matches matches, const PosePrior& prior, std::uint32_t seed) const {
     Found found;
-    found.solution = SolvePose(Constraints(matches), prior, camera_, seed);
-    found.matches = std::move(matches);
+    found.matches = std::move(matches.found);
+    found.solution = SolvePose(Constraints(found.matches), prior, camera_, seed);
+    for (std::size_t i = 0; i < found.matches.size(); ++i)
+      if (found.solution.inlier[i])
+        found.share += window_.landmarks[static_cast<std::size_t>(found.matches[i].landmark)].trust();
+    found.mean_trust = found.share / std::max(found.solution.num_inliers, 1);
+    found.mean_trust_tried = matches.trust_tried / std::max(matches.num_tried, 1);
+    found.share /= std::max(matches.trust_tried, 1.0);
     return found;
   }
 
-  bool Convincing(const Found& found, double min_share) const {
-    return found.solution.num_inliers >= config_.min_inliers &&
-           found.solution.num_inliers >= min_share * static_cast<double>(found.matches.size());
-  }
+  bool Enough(const Found& found) const { return found.solution.num_inliers >= config_.min_inliers; }
 
   /// First roughly, with a few landmarks on coarse levels, from where the motion model expects the camera; at
   /// a foot strike the model is wrong, so that standing still and a wide search compete with it. Then finely,
   /// with all landmarks, from the rough pose.
   std::optional<Found> FindPose(const ImagePyramid& left, const ImagePyramid& right, const Motion& predicted,
-                                std::uint32_t seed) const {
-    constexpr double kMinShareRough = 0.5;
-    constexpr double kMinShareFine = 0.35;
+                                std::uint32_t seed) {
     PosePrior prior;
     prior.T_world_left = last_->T_world_left * predicted.T_last_left;
     prior.information = predicted.covariance.inverse();
 
+    constexpr double kUsual = 0.55;  // share of the usual share
     const SearchOptions rough{3, 0, 1, false};
-    const auto FindRoughly = [&](const Eigen::Isometry3d& from) {
+    std::optional<Found> best;
+    // True as soon as a pose explains about as much as poses do in these surroundings.
+    const auto Compete = [&](const Eigen::Isometry3d& from) {
       PosePrior weak = prior;
       weak.T_world_left = from;
-      return Solve(tracker_.Track(window_, left, right, from, vertical_px_, rough), weak, seed);
+      Found found = Solve(tracker_.Track(window_, left, right, from, vertical_px_, rough), weak, seed);
+      if (!best || found.share > best->share) best = std::move(found);
+      return Enough(*best) && best->share > kUsual * usual_share_;
     };
-    Found coarse = FindRoughly(prior.T_world_left);
-    if (!Convincing(coarse, kMinShareRough)) {
-      const Found still = FindRoughly(last_->T_world_left);
-      if (still.solution.num_inliers > coarse.solution.num_inliers) coarse = still;
-    }
-    if (!Convincing(coarse, kMinShareRough)) {
+    if (!Compete(prior.T_world_left) && !Compete(last_->T_world_left)) {
       PosePrior vague = prior;
       vague.information *= 0.1;
-      const Found wide = Solve(tracker_.SearchWide(window_, left, prior.T_world_left), vague, seed);
-      const Found again = FindRoughly(wide.solution.T_world_left);
-      if (again.solution.num_inliers > coarse.solution.num_inliers) coarse = again;
+      Compete(
+          Solve(tracker_.SearchWide(window_, left, prior.T_world_left), vague, seed).solution.T_world_left);
     }
-    if (!Convincing(coarse, 0.0)) return std::nullopt;
+    if (!Enough(*best)) return std::nullopt;
+    constexpr double kRate = 0.1;
+    usual_share_ += kRate * (best->share - usual_share_);
 
+    const Eigen::Isometry3d T_rough = best->solution.T_world_left;
     prior.information *= 0.01;  // only against what the images leave open
     for (const int start_level : {1, 2}) {
-      const Found fine = Solve(tracker_.Track(window_, left, right, coarse.solution.T_world_left,
-                                              vertical_px_, {start_level, 0, 2, true}),
-                               prior, seed);
-      if (Convincing(fine, kMinShareFine)) return fine;
+      Found fine =
+          Solve(tracker_.Track(window_, left, right, T_rough, vertical_px_, {start_level, 0, 2, true}), prior,
+                seed);
+      constexpr double kMinInlierShare = 0.35;
+      if (!Enough(fine) ||
+          fine.solution.num_inliers < kMinInlierShare * static_cast<double>(fine.matches.size()))
+        continue;
+      // A pose that only new landmarks believe in is that of something that moves through the view.
+      if (fine.mean_trust < kUsual * fine.mean_trust_tried) continue;
+      return fine;
     }
+    // What stays different becomes usual.
+    constexpr double kForget = 0.75;
+    usual_share_ *= kForget;
     return std::nullopt;
   }
 
@@ -459,6 +473,7 @@ class VisualOdometry::Impl {
 
   Eigen::Isometry3d correction_ = Eigen::Isometry3d::Identity();  ///< still to be taken over
   Gravity gravity_;
+  double usual_share_ = 0.5;  ///< running mean of Found::share of the rough search
   double noise_scale_ = 1.0;  ///< variance of residuals over what the patches claim
   double vertical_px_ = 0.0;
   bool warned_of_vertical_ = false;

@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "odometry/window.h"
 
+#include <algorithm>
+
 #include <Eigen/Dense>
 
 namespace terrace {
+
+double Landmark::trust() const {
+  constexpr double kOfNew = 0.2;
+  constexpr double kPerFrame = 0.1;
+  return std::min(1.0, kOfNew + kPerFrame * num_tracked);
+}
 
 bool Project(const Landmark& landmark, const Eigen::Isometry3d& T_left_host, const StereoCamera& camera,
              Projection& projection) {

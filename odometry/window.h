@@ -46,6 +46,9 @@ struct Landmark {
   std::vector<Observation> observations;  ///< in later keyframes
   int num_failures = 0;                   ///< in a row: found where it cannot be
   int num_tracked = 0;                    ///< frames that agreed with it
+
+  /// How far it is believed to stand still, 0..1: what moves never grows old.
+  double trust() const;
 };
 
 struct Keyframe {
