@@ -94,6 +94,8 @@ class Binding {
       TERRACE_KEY(leaves_per_cell);
       TERRACE_KEY(min_leaf_px);
       TERRACE_KEY(min_points);
+      TERRACE_KEY(min_frames);
+      TERRACE_KEY(min_hit_share);
       TERRACE_KEY(pose_sigma_m);
       TERRACE_KEY(memory_frames);
       TERRACE_KEY(free_margin_px);
@@ -103,6 +105,7 @@ class Binding {
       ModellingConfig& settings = Begin("modelling", "ModellingConfig", &p.modelling);
       TERRACE_KEY(inlier_distance_m);
       TERRACE_KEY(max_inlier_distance_m);
+      TERRACE_KEY(max_rms_share);
       TERRACE_KEY(min_patch_area_m2);
       TERRACE_KEY(max_planes);
       TERRACE_KEY(num_hypotheses);

@@ -61,9 +61,11 @@ struct PointMoments {
 struct Leaf {
   PointMoments moments;
   Eigen::Vector3f view_sum = Eigen::Vector3f::Zero();  // weight * unit direction of view
-  float num_frames = 0.0F;
+  float num_frames = 0.0F;                             // that put points into it
+  float num_views = 0.0F;                              // that had it in view, nothing in front of it
   float spacing_m = 0.0F;
   int level = 0;
+  bool occupied = false;
   int credit = 0;  // frames that hit it minus frames that saw through it; cleared below zero
 };
 
@@ -204,6 +206,9 @@ std::vector<std::string> MappingConfig::Problems() const {
   if (!(min_leaf_px >= 1.0 && min_leaf_px <= 100.0))
     problems.push_back("mapping.min_leaf_px must be between 1 and 100");
   if (min_points < 1) problems.push_back("mapping.min_points must be at least 1");
+  if (min_frames < 1) problems.push_back("mapping.min_frames must be at least 1");
+  if (!(min_hit_share >= 0.0 && min_hit_share < 1.0))
+    problems.push_back("mapping.min_hit_share must be at least 0 and below 1");
   if (!(pose_sigma_m > 0.0 && pose_sigma_m <= 1.0))
     problems.push_back("mapping.pose_sigma_m must be above 0 and at most 1");
   if (memory_frames < 2) problems.push_back("mapping.memory_frames must be at least 2");
@@ -330,17 +335,17 @@ class TerrainOctree::Impl {
         node->setValue(leaves_.Take());
         leaves_[node->getValue()].level = seen.level;
       }
-      AddToLeaf(seen, camera_world, &leaves_[node->getValue()], &cell);
+      AddToLeaf(seen, camera_world, &leaves_[node->getValue()]);
     }
   }
 
-  void AddToLeaf(const FrameLeaf& seen, const Eigen::Vector3d& camera_world, Leaf* leaf, Cell* cell) const {
-    const bool was_occupied = Occupied(*leaf);
+  void AddToLeaf(const FrameLeaf& seen, const Eigen::Vector3d& camera_world, Leaf* leaf) const {
     if (leaf->num_frames >= static_cast<float>(config_.memory_frames)) {
       const float fade = 1.0F - 1.0F / static_cast<float>(config_.memory_frames);
       leaf->moments.Scale(fade);
       leaf->view_sum *= fade;
       leaf->num_frames *= fade;
+      leaf->num_views *= fade;
     }
     const double half = 0.5 * (1 << seen.level);
     const Eigen::Vector3d centre =
@@ -354,7 +359,6 @@ class TerrainOctree::Impl {
     const float spacing = range / static_cast<float>(camera_.fx);
     if (leaf->spacing_m == 0.0F || spacing < leaf->spacing_m) leaf->spacing_m = spacing;
     leaf->credit = std::min(leaf->credit + 1, config_.free_frames);
-    if (!was_occupied && Occupied(*leaf)) cell->leaves_changed = true;
   }
 
   /// Walks the octree inside the field of view and clears leaves behind which the image shows something.
@@ -382,17 +386,22 @@ class TerrainOctree::Impl {
     if (depth == cell_depth_) cell_in_view_ = node;
     if (depth > cell_depth_ && node->getValue() != kNothing) {
       Leaf& leaf = leaves_[node->getValue()];
-      if (SeenThrough(centre, radius) && --leaf.credit < 0) {
-        if (Occupied(leaf)) {
-          Cell& cell = cells_[cell_in_view_->getValue()];
-          cell.leaves_changed = true;
-          if (cell.touched_frame != frame_id_) {
-            cell.touched_frame = frame_id_;
-            touched_.push_back(KeyOf(octomap::OcTreeKey(static_cast<octomap::key_type>(corner.x()),
-                                                        static_cast<octomap::key_type>(corner.y()),
-                                                        static_cast<octomap::key_type>(corner.z()))));
-          }
+      const bool was_occupied = leaf.occupied;
+      const View view = ViewOf(centre, radius);
+      if (view != View::kNone) leaf.num_views += 1.0F;
+      const bool cleared = view == View::kThrough && --leaf.credit < 0;
+      leaf.occupied = !cleared && IsOccupied(leaf);
+      if (leaf.occupied != was_occupied) {
+        Cell& cell = cells_[cell_in_view_->getValue()];
+        cell.leaves_changed = true;
+        if (cell.touched_frame != frame_id_) {
+          cell.touched_frame = frame_id_;
+          touched_.push_back(KeyOf(octomap::OcTreeKey(static_cast<octomap::key_type>(corner.x()),
+                                                      static_cast<octomap::key_type>(corner.y()),
+                                                      static_cast<octomap::key_type>(corner.z()))));
         }
+      }
+      if (cleared) {
         leaves_.GiveBack(node->getValue());
         node->setValue(kNothing);
       }
@@ -426,21 +435,26 @@ class TerrainOctree::Impl {
            bottom * z - centre.y() > -radius * std::hypot(1.0, bottom);
   }
 
-  bool SeenThrough(const Eigen::Vector3d& centre, double radius) const {
-    if (centre.z() <= 0.05) return false;
+  enum class View { kNone, kOnto, kThrough };
+
+  /// What the image says of a place: nothing, or that something may be there, or that it looked through.
+  View ViewOf(const Eigen::Vector3d& centre, double radius) const {
+    if (centre.z() <= 0.05) return View::kNone;
     const Eigen::Vector2d uv = camera_.Project(centre);
     const int u = static_cast<int>(std::floor((uv.x() + 0.5) / kTilePx - 0.5));
     const int v = static_cast<int>(std::floor((uv.y() + 0.5) / kTilePx - 0.5));
-    if (u < 0 || v < 0 || u + 1 >= tiles_x_ || v + 1 >= tiles_y_) return false;
+    if (u < 0 || v < 0 || u + 1 >= tiles_x_ || v + 1 >= tiles_y_) return View::kNone;
     float nearest = 0.0F;  // over the four tiles around; one without points proves nothing
     for (const int dv : {0, 1}) {
       for (const int du : {0, 1}) {
         const float disparity = tile_disparity_[static_cast<std::size_t>(v + dv) * tiles_x_ + u + du];
-        if (disparity == 0.0F) return false;
+        if (disparity == 0.0F) return View::kNone;
         nearest = std::max(nearest, disparity);
       }
     }
-    return camera_.Disparity(centre.z() + radius) > nearest + config_.free_margin_px;
+    if (camera_.Disparity(centre.z() + radius) > nearest + config_.free_margin_px) return View::kThrough;
+    const double near_end = std::max(0.05, centre.z() - radius);
+    return nearest > camera_.Disparity(near_end) + config_.free_margin_px ? View::kNone : View::kOnto;
   }
 
   void ReportChanged(FrameId frame_id, ChangedCells* changed) {
@@ -487,8 +501,10 @@ class TerrainOctree::Impl {
                         cell_depth_);
   }
 
-  bool Occupied(const Leaf& leaf) const {
-    return leaf.moments.num_points >= static_cast<float>(config_.min_points);
+  bool IsOccupied(const Leaf& leaf) const {
+    return leaf.moments.num_points >= static_cast<float>(config_.min_points) &&
+           leaf.num_frames >= static_cast<float>(config_.min_frames) &&
+           leaf.num_frames >= static_cast<float>(config_.min_hit_share) * leaf.num_views;
   }
 
   /// @param corner  lowest corner in finest leaves, relative to the centre of the cell
@@ -497,7 +513,7 @@ class TerrainOctree::Impl {
     const int size = 1 << (kTreeDepth - depth);
     if (depth > cell_depth_ && node->getValue() != kNothing) {
       const Leaf& leaf = leaves_[node->getValue()];
-      if (Occupied(leaf)) surfels->push_back(SurfelOf(leaf, corner, size));
+      if (leaf.occupied) surfels->push_back(SurfelOf(leaf, corner, size));
     }
     if (depth == kTreeDepth || !tree_.nodeHasChildren(node)) return;
     for (unsigned child = 0; child < 8; ++child) {

@@ -41,14 +41,17 @@ struct MappingConfig {
   int leaves_per_cell = 16;
   /// A leaf is at least this many pixels wide in the image that fills it.
   double min_leaf_px = 4.0;
-  /// Points a leaf needs before it counts as occupied.
+  /// Points, and frames with points, that a leaf needs before it counts as occupied.
   int min_points = 4;
+  int min_frames = 2;
+  /// A leaf in view that fewer frames than this share put points into holds noise.
+  double min_hit_share = 0.3;
   /// What the pose of a frame adds to the error of its points.
   double pose_sigma_m = 0.002;
   /// A leaf remembers about this many frames; older ones fade, so that new ones can still move it.
   int memory_frames = 60;
   /// A leaf is seen through when what the image shows there lies behind it by this much disparity.
-  double free_margin_px = 1.5;
+  double free_margin_px = 1.0;
   /// A leaf that is seen through in this many frames more than it is hit in is cleared.
   int free_frames = 4;
 

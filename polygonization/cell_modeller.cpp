@@ -24,7 +24,9 @@ constexpr float kCorrelatedPoints = 8.0F;
 constexpr float kFrameSigma_m = 0.002F;
 /// A leaf that stands across a plane has a spread of size / sqrt(12) along the normal; one that lies in it
 /// has only noise. Half the variance tells them apart.
-constexpr float kAcross = 0.5F / 12.0F;
+constexpr float kAcross = 0.18F / 12.0F;
+/// A plane known before is preferred to a new one that explains hardly more.
+constexpr float kHintBonus = 1.05F;
 constexpr int kRefits = 3;
 
 /// A small generator with the same numbers on every system (SplitMix64, Steele et al. 2014).
@@ -59,8 +61,9 @@ struct CellPlane {
 /// Fits the planes of one cell, one after the other, each to what the ones before left over.
 class CellFit {
  public:
-  CellFit(const ModellingConfig& config, const std::vector<Surfel>& surfels, std::uint64_t seed)
-      : config_(config), surfels_(surfels), random_(seed) {}
+  CellFit(const ModellingConfig& config, const std::vector<Surfel>& surfels, std::vector<CellPlane> hints,
+          std::uint64_t seed)
+      : config_(config), surfels_(surfels), hints_(std::move(hints)), random_(seed) {}
 
   std::vector<Patch> Run() {
     std::vector<Patch> patches;
@@ -75,10 +78,12 @@ class CellFit {
       if (!plane) break;
       std::vector<int> left;
       for (const int i : rest) (Belongs(surfels_[i], *plane) ? inliers : left).push_back(i);
+      if (inliers.empty()) break;
       Patch patch = MakePatch(*plane, moments, inliers);
       if (patch.area_m2 < config_.min_patch_area_m2) break;
-      patches.push_back(std::move(patch));
       rest = std::move(left);
+      // A bad plane's leaves are not looked at again either.
+      if (RmsShare(inliers, *plane) < config_.max_rms_share) patches.push_back(std::move(patch));
     }
     return patches;
   }
@@ -102,7 +107,21 @@ class CellFit {
     if (Cost(s, plane) >= 1.0F) return false;
     const float noise = s.sigma_view_m * Facing(s, plane);
     const float spread = plane.normal.dot(s.covariance * plane.normal);
-    return spread < 2.0F * noise * noise + kAcross * s.size_m * s.size_m;
+    return spread < 2.0F * (noise * noise + kFrameSigma_m * kFrameSigma_m) + kAcross * s.size_m * s.size_m;
+  }
+  float RmsShare(const std::vector<int>& inliers, const CellPlane& plane) const {
+    // By points: the many leaves that the noise of a far surface spills into hold few.
+    float cost = 0.0F, num_points = 0.0F;
+    for (const int i : inliers) {
+      cost += surfels_[i].num_points * Cost(surfels_[i], plane);
+      num_points += surfels_[i].num_points;
+    }
+    return std::sqrt(cost / num_points);
+  }
+  float TotalArea(const std::vector<int>& indices) const {
+    float area = 0.0F;
+    for (const int i : indices) area += surfels_[i].size_m * surfels_[i].size_m;
+    return area;
   }
   /// 1 / variance of the leaf's mean along the normal.
   float Information(const Surfel& s, float facing) const {
@@ -133,23 +152,32 @@ class CellFit {
     } else {
       for (int i = 0; i < config_.num_pretest; ++i) sample.push_back(rest[random_.Below(n)]);
     }
+    // How much each explains; sorted by minus that.
     std::vector<std::pair<float, CellPlane>> tried;
+    const float sample_area = TotalArea(sample), rest_area = TotalArea(rest);
+    for (const CellPlane& hint : hints_)
+      tried.emplace_back(-kHintBonus * (sample_area - TotalCost(sample, hint)), hint);
+    const std::size_t num_hints = tried.size();
     for (int h = 0; h < config_.num_hypotheses; ++h) {
       const std::optional<CellPlane> plane =
           Through(rest[random_.Below(n)], rest[random_.Below(n)], rest[random_.Below(n)]);
-      if (plane) tried.emplace_back(TotalCost(sample, *plane), *plane);
+      if (plane) tried.emplace_back(TotalCost(sample, *plane) - sample_area, *plane);
     }
     if (tried.empty()) return std::nullopt;
-    std::stable_sort(tried.begin(), tried.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    constexpr std::size_t kFinalists = 3;
+    const auto explains_more = [](const auto& a, const auto& b) { return a.first < b.first; };
+    std::stable_sort(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(num_hints), explains_more);
+    std::stable_sort(tried.begin() + static_cast<std::ptrdiff_t>(num_hints), tried.end(), explains_more);
+    // The best two of the hints and of the new ones go into the final.
+    constexpr std::size_t kFinalists = 2;
     std::optional<CellPlane> best;
-    float best_cost = 0.0F;
-    for (std::size_t i = 0; i < std::min(kFinalists, tried.size()); ++i) {
-      const float cost = TotalCost(rest, tried[i].second);
-      if (best && cost >= best_cost) continue;
+    float best_score = 0.0F;
+    for (std::size_t i = 0; i < tried.size(); ++i) {
+      const bool hint = i < num_hints;
+      if ((hint ? i : i - num_hints) >= kFinalists) continue;
+      const float score = (rest_area - TotalCost(rest, tried[i].second)) * (hint ? kHintBonus : 1.0F);
+      if (best && score <= best_score) continue;
       best = tried[i].second;
-      best_cost = cost;
+      best_score = score;
     }
     return best;
   }
@@ -186,14 +214,21 @@ class CellFit {
     const PlaneAxes axes = AxesOf(patch.plane_world.normal);
     Eigen::Matrix<float, 3, 2> basis;
     basis << axes.x.cast<float>(), axes.y.cast<float>();
+    double information = 0.0, noise2 = 0.0;
     for (const int i : inliers) {
       const Surfel& s = surfels_[i];
+      const float facing = Facing(s, plane);
+      const double weight = static_cast<double>(Information(s, facing));
+      const double noise = static_cast<double>(s.sigma_view_m * facing);
+      information += weight;
+      noise2 += weight * noise * noise;
       patch.footprints.push_back(FootprintOf(s, plane, basis));
       patch.area_m2 += static_cast<double>(4.0F * patch.footprints.back().half_x.norm() *
                                            patch.footprints.back().half_y.norm());
       patch.num_frames += static_cast<double>(s.num_frames);
     }
-    if (!inliers.empty()) patch.num_frames /= static_cast<double>(inliers.size());
+    patch.num_frames /= static_cast<double>(inliers.size());
+    patch.noise_m = std::sqrt(noise2 / information);
     return patch;
   }
 
@@ -223,6 +258,7 @@ class CellFit {
 
   const ModellingConfig& config_;
   const std::vector<Surfel>& surfels_;
+  const std::vector<CellPlane> hints_;
   Random random_;
 };
 
@@ -233,6 +269,8 @@ std::vector<std::string> ModellingConfig::Problems() const {
   if (!(inlier_distance_m > 0.0)) problems.push_back("modelling.inlier_distance_m must be above 0");
   if (!(max_inlier_distance_m >= inlier_distance_m))
     problems.push_back("modelling.max_inlier_distance_m must be at least modelling.inlier_distance_m");
+  if (!(max_rms_share > 0.0 && max_rms_share <= 1.0))
+    problems.push_back("modelling.max_rms_share must be above 0 and at most 1");
   if (!(min_patch_area_m2 >= 0.0)) problems.push_back("modelling.min_patch_area_m2 must not be negative");
   if (max_planes < 1 || max_planes > 100)
     problems.push_back("modelling.max_planes must be between 1 and 100");
@@ -246,7 +284,34 @@ CellModeller::CellModeller(const ModellingConfig& config) : config_(config) {
   TERRACE_CHECK(config.Problems().empty());
 }
 
-PatchUpdate CellModeller::Fit(const TerrainOctree& octree, const ChangedCells& cells) const {
+/// Planes of the cell itself first, then those of its neighbours that pass through it, each direction once.
+std::vector<Plane> CellModeller::HintsFor(const CellKey& key, const Eigen::Vector3d& centre_world,
+                                          double cell_size_m) const {
+  const double kSameCosine = std::cos(0.05);
+  constexpr double kSameOffset_m = 0.005;
+  std::vector<Plane> hints;
+  const auto add_from = [&](const CellKey& from) {
+    const auto found = planes_world_.find(from);
+    if (found == planes_world_.end()) return;
+    for (const Plane& plane : found->second) {
+      const double offset = plane.SignedDistance(centre_world);
+      if (std::abs(offset) > 0.5 * cell_size_m * plane.normal.cwiseAbs().sum()) continue;
+      const bool known = std::any_of(hints.begin(), hints.end(), [&](const Plane& other) {
+        return plane.normal.dot(other.normal) > kSameCosine &&
+               std::abs(offset - other.SignedDistance(centre_world)) < kSameOffset_m;
+      });
+      if (!known) hints.push_back(plane);
+    }
+  };
+  add_from(key);
+  for (int dx = -1; dx <= 1; ++dx)
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dz = -1; dz <= 1; ++dz)
+        if (dx != 0 || dy != 0 || dz != 0) add_from({key.x + dx, key.y + dy, key.z + dz});
+  return hints;
+}
+
+PatchUpdate CellModeller::Fit(const TerrainOctree& octree, const ChangedCells& cells) {
   PatchUpdate update{cells.frame_id, cells.t_capture, {}};
   update.cells.resize(cells.keys.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells.keys.size()), [&](const auto& range) {
@@ -256,11 +321,24 @@ PatchUpdate CellModeller::Fit(const TerrainOctree& octree, const ChangedCells& c
       cell.key = cells.keys[i];
       cell.centre_world = octree.CellCentre(cell.key);
       octree.CollectSurfels(cell.key, &surfels);
-      cell.patches = CellFit(config_, surfels, SeedOf(cell.key)).Run();
+      std::vector<CellPlane> hints;
+      for (const Plane& plane : HintsFor(cell.key, cell.centre_world, octree.cell_size_m()))
+        hints.push_back(
+            {plane.normal.cast<float>(), static_cast<float>(-plane.SignedDistance(cell.centre_world))});
+      cell.patches = CellFit(config_, surfels, std::move(hints), SeedOf(cell.key)).Run();
       for (Patch& patch : cell.patches)
         patch.plane_world.offset_m += patch.plane_world.normal.dot(cell.centre_world);
     }
   });
+  for (const PatchUpdate::CellPatches& cell : update.cells) {
+    if (cell.patches.empty()) {
+      planes_world_.erase(cell.key);
+      continue;
+    }
+    std::vector<Plane>& planes = planes_world_[cell.key];
+    planes.clear();
+    for (const Patch& patch : cell.patches) planes.push_back(patch.plane_world);
+  }
   return update;
 }
 

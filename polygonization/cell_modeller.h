@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,13 +16,16 @@ struct ModellingConfig {
   /// A leaf whose points lie closer to a plane than this, or than three times their noise, belongs to it.
   double inlier_distance_m = 0.012;
   /// The noise is never taken to explain more than this.
-  double max_inlier_distance_m = 0.04;
+  double max_inlier_distance_m = 0.12;
+  /// Leaves of a plane lie near its middle: the root mean square of their distances is below this share of
+  /// what is allowed. (Leaves scattered evenly would have 0.58.)
+  double max_rms_share = 0.45;
   /// A patch covers at least this area.
   double min_patch_area_m2 = 0.0015;
   /// Planes looked for in one cell.
   int max_planes = 5;
   /// Three-leaf hypotheses tried for each plane.
-  int num_hypotheses = 40;
+  int num_hypotheses = 24;
   /// Leaves on which a hypothesis is tried before it is tried on all.
   int num_pretest = 40;
 
@@ -42,6 +46,7 @@ struct Patch {
   PlaneMoments moments;     ///< relative to the centre of the cell
   double area_m2 = 0.0;     ///< sum of the footprints
   double num_frames = 0.0;  ///< mean over its leaves
+  double noise_m = 0.0;     ///< of single points, along the normal; the best leaves count most
   std::vector<Footprint> footprints;
 };
 
@@ -58,15 +63,20 @@ struct PatchUpdate {
 };
 
 /// Fits planes to the points of each changed cell, cells in parallel, any number of threads with the same
-/// result.
+/// result. Planes found before, in the cell or beside it, are tried first: a tread that ends a little way
+/// into a cell is found there by the plane that the next cell knows well.
 class CellModeller {
  public:
   explicit CellModeller(const ModellingConfig& config);
 
-  PatchUpdate Fit(const TerrainOctree& octree, const ChangedCells& cells) const;
+  PatchUpdate Fit(const TerrainOctree& octree, const ChangedCells& cells);
 
  private:
+  std::vector<Plane> HintsFor(const CellKey& key, const Eigen::Vector3d& centre_world,
+                              double cell_size_m) const;
+
   ModellingConfig config_;
+  std::map<CellKey, std::vector<Plane>> planes_world_;  // of each cell, as last fitted
 };
 
 }  // namespace terrace

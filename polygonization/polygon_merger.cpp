@@ -66,6 +66,7 @@ struct Surface {
   PlaneMoments moments;  // relative to `origin_world`
   Eigen::Vector3d origin_world;
   double angle_sigma_rad = 0.0;
+  double noise_m = 0.0;  // of single points, as that of patches
   // Outlines are drawn in these axes, which stay when the plane moves a little.
   Eigen::Vector3d anchor_normal;
   PlaneAxes axes;
@@ -214,7 +215,7 @@ class PolygonMerger::Impl {
         std::min(kMaxExtraAngle_rad, 2.0 * (member.angle_sigma_rad + surface.angle_sigma_rad));
     if (angle > max_angle) return std::nullopt;
     const double offset = std::abs(plane.SignedDistance(member.mean_world));
-    const double max_offset = slack * config_.max_offset_m;
+    const double max_offset = slack * (config_.max_offset_m + 2.0 * member.patch.noise_m);
     if (offset > max_offset) return std::nullopt;
     // The farthest end of the patch must not stand off either, where its own direction is known.
     const double reach = 0.5 * (member.high_world - member.low_world).norm();
@@ -289,6 +290,7 @@ class PolygonMerger::Impl {
     Surface& surface = surfaces_[id];
     surface.plane_world = member.patch.plane_world;
     surface.angle_sigma_rad = member.angle_sigma_rad;
+    surface.noise_m = member.patch.noise_m;
     surface.origin_world = member.mean_world;
     Anchor(&surface);
     Join(ref, id);
@@ -343,9 +345,11 @@ class PolygonMerger::Impl {
     const Plane plane = both.Fit(large.plane_world.normal);
     PlaneMoments shifted;
     shifted.Add(small.moments, shift);
-    const double limit = 0.7 * config_.max_offset_m;
-    return large.moments.MeanSquaredDistance(plane) < limit * limit &&
-           shifted.MeanSquaredDistance(plane) < limit * limit;
+    const auto explains = [&](const PlaneMoments& moments, double noise_m) {
+      const double limit = 0.7 * config_.max_offset_m + 1.5 * noise_m;
+      return moments.MeanSquaredDistance(plane) < limit * limit;
+    };
+    return explains(large.moments, large.noise_m) && explains(shifted, small.noise_m);
   }
 
   void Absorb(SurfaceId keep, SurfaceId lose) {
@@ -375,17 +379,21 @@ class PolygonMerger::Impl {
   /// Sums the moments of all patches anew: cheap, and nothing accumulates.
   void Refit(Surface* surface, SurfaceId id) {
     PlaneMoments moments;
+    double noise2 = 0.0;
     for (const CellKey& key : surface->cells) {
       const CellMembers& cell = cells_.at(key);
-      for (const Member& member : cell.members)
-        if (member.surface == id)
-          moments.Add(member.patch.moments, cell.centre_world - surface->origin_world);
+      for (const Member& member : cell.members) {
+        if (member.surface != id) continue;
+        moments.Add(member.patch.moments, cell.centre_world - surface->origin_world);
+        noise2 += member.patch.moments.weight * member.patch.noise_m * member.patch.noise_m;
+      }
     }
     surface->moments = moments;
     if (!(moments.weight > 0.0)) return;
     surface->plane_world = moments.Fit(surface->plane_world.normal);
     surface->plane_world.offset_m += surface->plane_world.normal.dot(surface->origin_world);
     surface->angle_sigma_rad = AngleSigma(moments);
+    surface->noise_m = std::sqrt(noise2 / moments.weight);
     if (surface->plane_world.normal.dot(surface->anchor_normal) < std::cos(kMaxTurn_rad)) Anchor(surface);
   }
 

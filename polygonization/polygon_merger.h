@@ -13,15 +13,16 @@ namespace terrace {
 
 /// Settings of merging patches into polygons. YAML section: `merging`.
 struct MergingConfig {
-  /// Patches belong to a neighbouring surface within this offset and angle.
-  double max_offset_m = 0.02;
+  /// Patches belong to a neighbouring surface within this offset and angle, and what their noise adds to
+  /// them.
+  double max_offset_m = 0.015;
   double max_angle_deg = 10.0;
   /// Surfaces whose pieces lie farther apart than this are two; narrower gaps and holes are closed.
   double max_gap_m = 0.06;
   /// Narrower tongues of an outline are cut off.
   double min_width_m = 0.025;
   /// Polygons and holes smaller than this are not published.
-  double min_area_m2 = 0.01;
+  double min_area_m2 = 0.015;
   /// Pixel of the bitmap from which outlines are traced.
   double outline_resolution_m = 0.01;
   /// How far a simplified edge of an outline may leave the traced one.
