@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "datasets/sequence.h"
+#include "evaluation/result_files.h"
+#include "stereo/rectifier.h"
+#include "tools/commands.h"
+#include "tools/terrain_picture.h"
+
+namespace terrace {
+namespace {
+
+struct DrawOptions {
+  std::string result;
+  std::string sequence;
+  std::string picture;
+  std::string map_picture;
+  std::int64_t frame = -1;
+  std::int64_t time_ns = -1;
+};
+
+void Save(const cv::Mat3b& picture, const std::string& path) {
+  bool saved = false;
+  try {
+    saved = cv::imwrite(path, picture);
+  } catch (const cv::Exception&) {  // an ending that is no image format
+  }
+  if (!saved) throw std::runtime_error(path + ": cannot be written as an image");
+  std::printf("%s: %dx%d\n", path.c_str(), picture.cols, picture.rows);
+}
+
+/// The wanted frame of a sequence, rectified: by number, by time, or the last one that has a pose.
+StereoFrame FindFrame(const DrawOptions& options, const std::vector<ResultPose>& trajectory) {
+  const auto sequence = OpenSequence(options.sequence);
+  const Rectifier rectifier(sequence->info().calibration);
+  const std::int64_t last_ns = trajectory.empty() ? 0 : trajectory.back().t_capture.ns;
+  const std::int64_t wanted_ns = options.time_ns >= 0 ? options.time_ns : last_ns;
+  while (const std::optional<SensorFrame> frame = sequence->Next()) {
+    const bool wanted =
+        options.frame >= 0 ? frame->frame_id == options.frame : frame->pair.t_capture.ns == wanted_ns;
+    if (!wanted) continue;
+    if (!frame->pair.problem.empty()) throw std::runtime_error(frame->pair.problem);
+    return rectifier.Rectify(frame->frame_id, frame->pair);
+  }
+  throw std::runtime_error(options.sequence + ": has no such frame");
+}
+
+void DrawFrameOf(const DrawOptions& options) {
+  const std::filesystem::path folder = options.result;
+  const std::vector<ResultPose> trajectory = ReadTrajectoryFile(folder / "trajectory.tum");
+  const StereoFrame frame = FindFrame(options, trajectory);
+  const auto pose = std::find_if(trajectory.begin(), trajectory.end(),
+                                 [&](const ResultPose& p) { return p.t_capture == frame.t_capture; });
+  if (pose == trajectory.end()) throw std::runtime_error(options.result + ": that frame has no pose");
+  const ResultCamera camera = ReadCameraFile(folder / "camera.json");
+  const TerrainMap map = ReadTerrainMapFile(folder / "terrain_map.json");
+  Save(DrawFrame(map, frame.left, camera.camera, pose->T_world_left), options.picture);
+}
+
+void Draw(const DrawOptions& options) {
+  const bool draw_frame = !options.sequence.empty() || !options.picture.empty();
+  if (!draw_frame && options.map_picture.empty())
+    throw UsageError("draw: give SEQUENCE and OUT.png, or --map OUT.png");
+  if (draw_frame && options.picture.empty()) throw UsageError("draw: OUT.png is missing after SEQUENCE");
+  if (!options.map_picture.empty()) Save(DrawMap(ReadReplayResult(options.result)), options.map_picture);
+  if (draw_frame) DrawFrameOf(options);
+}
+
+}  // namespace
+
+void AddDrawCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("draw", "Draw a replay's labelled regions over an image, or its map");
+  auto options = std::make_shared<DrawOptions>();
+  command->add_option("RESULT_DIR", options->result, "what terraced replay wrote")->required();
+  command->add_option("SEQUENCE", options->sequence, "what it replayed");
+  command->add_option("OUT.png", options->picture, "the rectified left image with the regions over it");
+  command->add_option("--map", options->map_picture, "draw the whole map into this image");
+  CLI::Option* frame =
+      command->add_option("--frame", options->frame, "number of the frame, from 0; default: the last one");
+  command->add_option("--time", options->time_ns, "capture time of the frame in nanoseconds")
+      ->excludes(frame);
+  command->callback([options] { Draw(*options); });
+}
+
+}  // namespace terrace
