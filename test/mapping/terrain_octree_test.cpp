@@ -98,12 +98,12 @@ TEST(TerrainOctreeTest, ReplacesCoarseLeavesSeenFromAfarByFineOnesSeenNear) {
   world.AddFaceTowardsMinusX(3.0, -1, 1, 0, 1);
   TerrainOctree octree({}, TestCamera());
   std::mt19937 random(1);
-  InsertView(world, LookFrom(0, 0.3, 0, 0.5, 0, 0), &octree, &random);
+  for (int i = 0; i < 3; ++i) InsertView(world, LookFrom(i, 0.3, 0, 0.5, 0, 0), &octree, &random);
   const CellKey key = CellAt(octree, {3.001, 0.1, 0.5});
   float largest = 0;
   for (const Surfel& s : SurfelsOf(octree, key)) largest = std::max(largest, s.size_m);
   EXPECT_GT(largest, 0.039F);
-  for (int i = 1; i < 5; ++i) InsertView(world, LookFrom(i, 2.2, 0, 0.5, 0, 0), &octree, &random);
+  for (int i = 3; i < 8; ++i) InsertView(world, LookFrom(i, 2.2, 0, 0.5, 0, 0), &octree, &random);
   int num_at_the_wall = 0;
   for (const Surfel& s : SurfelsOf(octree, key)) {
     // Noise seen from afar stays behind the wall, where nobody looks.
