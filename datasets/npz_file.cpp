@@ -83,6 +83,26 @@ std::vector<std::uint8_t> ReadEntry(zip_t* archive, zip_uint64_t index, std::siz
   return bytes;
 }
 
+/// A whole .npy file of version 1.0.
+std::vector<std::uint8_t> NpyBytes(const NpyArray& array) {
+  std::string header = "{'descr': '" + array.dtype + "', 'fortran_order': False, 'shape': (";
+  for (const std::size_t extent : array.shape) header += std::to_string(extent) + ", ";
+  if (array.shape.size() > 1) header.erase(header.size() - 2);
+  if (array.shape.size() == 1) header.erase(header.size() - 1);  // one element of a tuple keeps its comma
+  header += "), }";
+  // Magic, version and length take ten bytes; the elements begin at a multiple of 64.
+  constexpr std::size_t kBefore = 10;
+  constexpr std::size_t kAlignment = 64;
+  while ((kBefore + header.size() + 1) % kAlignment != 0) header += ' ';
+  header += '\n';
+  std::vector<std::uint8_t> bytes{0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0};
+  bytes.push_back(static_cast<std::uint8_t>(header.size() & 0xff));
+  bytes.push_back(static_cast<std::uint8_t>(header.size() >> 8));
+  bytes.insert(bytes.end(), header.begin(), header.end());
+  bytes.insert(bytes.end(), array.bytes.begin(), array.bytes.end());
+  return bytes;
+}
+
 }  // namespace
 
 std::size_t NpyArray::size() const {
@@ -166,6 +186,35 @@ std::map<std::string, NpyArray> ReadNpzFile(const std::filesystem::path& path, s
         ParseNpy(ReadEntry(archive.get(), index, static_cast<std::size_t>(stat.size), where), where);
   }
   return arrays;
+}
+
+void WriteNpzFile(const std::filesystem::path& path, const std::map<std::string, NpyArray>& arrays) {
+  std::filesystem::remove(path);
+  int error = 0;
+  zip_t* archive = zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &error);
+  if (archive == nullptr) throw FileError(path.string() + ": cannot be written");
+  // libzip reads the buffers when it closes the archive.
+  std::vector<std::vector<std::uint8_t>> files;
+  files.reserve(arrays.size());
+  bool good = true;
+  for (const auto& [name, array] : arrays) {
+    files.push_back(NpyBytes(array));
+    zip_source_t* source = zip_source_buffer(archive, files.back().data(), files.back().size(), 0);
+    const zip_int64_t index =
+        source == nullptr ? -1 : zip_file_add(archive, (name + ".npy").c_str(), source, ZIP_FL_ENC_UTF_8);
+    constexpr zip_uint16_t kMidnight = 0;
+    constexpr zip_uint16_t kFirstOf1980 = 0x21;
+    good = good && index >= 0 &&
+           zip_file_set_dostime(archive, static_cast<zip_uint64_t>(index), kMidnight, kFirstOf1980, 0) == 0;
+  }
+  if (!good) {
+    zip_discard(archive);
+    throw FileError(path.string() + ": cannot be written");
+  }
+  if (zip_close(archive) != 0) {
+    zip_discard(archive);
+    throw FileError(path.string() + ": cannot be written");
+  }
 }
 
 }  // namespace terrace

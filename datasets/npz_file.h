@@ -26,6 +26,9 @@ struct NpyArray {
 std::map<std::string, NpyArray> ReadNpzFile(const std::filesystem::path& path,
                                             std::size_t max_array_bytes = 64u << 20);
 
+/// Writes arrays as numpy.savez_compressed does; the same arrays give the same bytes. Throws FileError.
+void WriteNpzFile(const std::filesystem::path& path, const std::map<std::string, NpyArray>& arrays);
+
 /// One .npy file that is already in memory; `where` names it in errors.
 NpyArray ParseNpy(const std::vector<std::uint8_t>& bytes, const std::string& where);
 
