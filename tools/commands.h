@@ -21,5 +21,6 @@ void AddConvertCommand(CLI::App& app);
 void AddDrawCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
+void AddSynthesizeCommand(CLI::App& app);
 
 }  // namespace terrace

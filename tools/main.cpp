@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   terrace::AddDrawCommand(app);
   terrace::AddEvaluateCommand(app);
   terrace::AddInfoCommand(app);
+  terrace::AddSynthesizeCommand(app);
 
   try {
     app.parse(argc, argv);  // runs the subcommand's callback

@@ -18,8 +18,12 @@ constexpr std::uint32_t Hash(std::uint32_t x) {
   return x;
 }
 
-constexpr std::uint32_t Hash(std::uint32_t a, std::uint32_t b) { return Hash(Hash(a) + 0x9e3779b9U * (b + 1)); }
-constexpr std::uint32_t Hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) { return Hash(Hash(a, b), c); }
+constexpr std::uint32_t Hash(std::uint32_t a, std::uint32_t b) {
+  return Hash(Hash(a) + 0x9e3779b9U * (b + 1));
+}
+constexpr std::uint32_t Hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  return Hash(Hash(a, b), c);
+}
 
 /// In [0, 1), of 24 bits.
 constexpr double Unit(std::uint32_t hash) { return (hash >> 8) * (1.0 / 16777216.0); }

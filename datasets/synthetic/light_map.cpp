@@ -18,7 +18,8 @@ constexpr int kPacket = 8;
 /// Rays to the light start this far off the surface.
 constexpr double kLift = 2e-3;
 
-/// Two numbers in [0, 1) that fill the square evenly as `index` grows (R2 sequence, M. Roberts), started anywhere.
+/// Two numbers in [0, 1) that fill the square evenly as `index` grows (R2 sequence, M. Roberts), started
+/// anywhere.
 Eigen::Vector2d Even(int index, std::uint32_t start) {
   const double u = Unit(Hash(start, 1)) + 0.7548776662466927 * index;
   const double v = Unit(Hash(start, 2)) + 0.5698402909980532 * index;
@@ -59,8 +60,8 @@ class Gatherer {
   double sum_ = 0.0;
 };
 
-double FromLamp(const Lamp& lamp, const RayScene& rays, const Eigen::Vector3d& p, const Eigen::Vector3d& normal,
-                int num_rays, std::uint32_t seed) {
+double FromLamp(const Lamp& lamp, const RayScene& rays, const Eigen::Vector3d& p,
+                const Eigen::Vector3d& normal, int num_rays, std::uint32_t seed) {
   Gatherer free(rays, 1.0F);
   const Eigen::Vector3d start = p + kLift * normal;
   if (lamp.distant) {
@@ -160,8 +161,10 @@ LightMap::LightMap(const Scene& scene, const RayScene& rays, int num_threads) {
       // Nodes beyond the outline count for what lies just inside it.
       constexpr double kInside = 1e-3;
       const double at_u = std::clamp(frame.min_u + u * texel, frame.min_u + kInside, frame.max_u - kInside);
-      const double at_v = std::clamp(frame.min_v + row.v * texel, frame.min_v + kInside, frame.max_v - kInside);
-      const Eigen::Vector3d p = at_u * frame.axis_u + at_v * frame.axis_v + surface.plane_world.offset_m * normal;
+      const double at_v =
+          std::clamp(frame.min_v + row.v * texel, frame.min_v + kInside, frame.max_v - kInside);
+      const Eigen::Vector3d p =
+          at_u * frame.axis_u + at_v * frame.axis_v + surface.plane_world.offset_m * normal;
       const std::uint32_t seed = Hash(scene.seed, static_cast<std::uint32_t>(s),
                                       static_cast<std::uint32_t>(row.v * grids_[s].nu + u));
       double light = FromAround(scene.lighting, rays, p, normal, seed);
@@ -173,7 +176,8 @@ LightMap::LightMap(const Scene& scene, const RayScene& rays, int num_threads) {
     }
   };
   tbb::task_arena arena(num_threads);
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) { bake_row(rows[i]); }); });
+  arena.execute(
+      [&] { tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) { bake_row(rows[i]); }); });
 }
 
 }  // namespace terrace::synthetic

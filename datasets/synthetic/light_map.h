@@ -19,9 +19,9 @@ struct SurfaceFrame {
 };
 SurfaceFrame FrameOf(const Surface& surface);
 
-/// The light that falls on each surface from lamps, sun and surroundings, with soft shadows and corners that are
-/// darker: computed once, so that rendering needs one ray a sample. Moving objects neither receive nor cast
-/// shadows of others.
+/// The light that falls on each surface from lamps, sun and surroundings, with soft shadows and corners that
+/// are darker: computed once, so that rendering needs one ray a sample. Moving objects neither receive nor
+/// cast shadows of others.
 class LightMap {
  public:
   LightMap(const Scene& scene, const RayScene& rays, int num_threads);

@@ -61,12 +61,12 @@ struct RayScene::Impl {
     }
     if (indices.empty()) return mesh;
     mesh.geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices =
-        static_cast<float*>(rtcSetNewGeometryBuffer(mesh.geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                    3 * sizeof(float), mesh.vertices.size()));
-    auto* triangles =
-        static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(mesh.geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                            3 * sizeof(std::uint32_t), indices.size() / 3));
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(mesh.geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                                 RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                                                 mesh.vertices.size()));
+    auto* triangles = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(mesh.geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(std::uint32_t), indices.size() / 3));
     TERRACE_CHECK(vertices != nullptr && triangles != nullptr);
     for (const Eigen::Vector3f& vertex : mesh.vertices) {
       for (int axis = 0; axis < 3; ++axis) *vertices++ = vertex[axis];
@@ -155,7 +155,8 @@ void RayScene::Trace(const Eigen::Vector3f& origin, const float* dx, const float
       rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     }
     rtcIntersect8(valid, impl_->everything, &context, &rays);
-    for (int i = 0; i < count; ++i) surface[first + i] = impl_->SurfaceOf(rays.hit.geomID[i], rays.hit.primID[i]);
+    for (int i = 0; i < count; ++i)
+      surface[first + i] = impl_->SurfaceOf(rays.hit.geomID[i], rays.hit.primID[i]);
   }
 }
 
@@ -180,8 +181,8 @@ void RayScene::TraceEach(const float* ox, const float* oy, const float* oz, cons
   }
 }
 
-void RayScene::Occluded8(const Eigen::Vector3f* origins, const Eigen::Vector3f* directions, float reach, int n,
-                         bool* occluded) const {
+void RayScene::Occluded8(const Eigen::Vector3f* origins, const Eigen::Vector3f* directions, float reach,
+                         int n, bool* occluded) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   constexpr int kPacket = 8;
@@ -207,7 +208,8 @@ void RayScene::Occluded8(const Eigen::Vector3f* origins, const Eigen::Vector3f* 
   for (int i = 0; i < n; ++i) occluded[i] = rays.tfar[i] < 0.0F;
 }
 
-std::optional<RayScene::Hit> RayScene::First(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+std::optional<RayScene::Hit> RayScene::First(const Eigen::Vector3d& origin,
+                                             const Eigen::Vector3d& direction) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit ray{};

@@ -10,8 +10,8 @@
 
 namespace terrace::synthetic {
 
-/// The surfaces of a scene for Embree, the only file that knows it. Embree says which surface a ray meets; where
-/// is then computed from the surface's plane, which is exact.
+/// The surfaces of a scene for Embree, the only file that knows it. Embree says which surface a ray meets;
+/// where is then computed from the surface's plane, which is exact.
 class RayScene {
  public:
   explicit RayScene(const Scene& scene);

@@ -14,10 +14,6 @@
 namespace terrace::synthetic {
 namespace {
 
-int ThreadsOf(const RendererConfig& config) {
-  return config.num_threads > 0 ? config.num_threads : tbb::info::default_concurrency();
-}
-
 void Store(const Eigen::Vector3d& from, float* to) {
   for (int axis = 0; axis < 3; ++axis) to[axis] = static_cast<float>(from[axis]);
 }
@@ -31,12 +27,18 @@ int RunEnd(const std::int32_t* surface, int first, int n) {
 
 }  // namespace
 
+int ThreadsOf(const RendererConfig& config) {
+  const int most = tbb::info::default_concurrency();
+  return config.num_threads > 0 ? std::min(config.num_threads, most) : most;
+}
+
 std::vector<std::string> RendererConfig::Problems() const {
   std::vector<std::string> problems;
   if (samples_side != 1 && samples_side != 2 && samples_side != 4 && samples_side != 8) {
     problems.push_back("samples_side is " + std::to_string(samples_side) + ", must be 1, 2, 4 or 8");
   }
-  if (num_threads < 0) problems.push_back("num_threads is " + std::to_string(num_threads) + ", must not be negative");
+  if (num_threads < 0)
+    problems.push_back("num_threads is " + std::to_string(num_threads) + ", must not be negative");
   return problems;
 }
 
@@ -78,7 +80,8 @@ Renderer::View Renderer::ViewOf(const Eigen::Isometry3d& T_world_camera, double 
     const Surface& surface = scene_.surfaces[s];
     // A moving surface stands still in a frame that moves with it.
     Eigen::Vector3d eye = view.origin;
-    if (surface.moving_object) eye -= scene_.moving[static_cast<std::size_t>(*surface.moving_object)].OffsetAt(t_s);
+    if (surface.moving_object)
+      eye -= scene_.moving[static_cast<std::size_t>(*surface.moving_object)].OffsetAt(t_s);
     PlaneView& plane = view.planes[s];
     Store(surface.plane_world.normal, plane.normal);
     Store(frames_[s].axis_u, plane.axis_u);
@@ -91,25 +94,27 @@ Renderer::View Renderer::ViewOf(const Eigen::Isometry3d& T_world_camera, double 
   return view;
 }
 
-void Renderer::AddSurfaceRun(const View& view, int surface, int first, int n, RowBuffers& row, float* sum) const {
+void Renderer::AddSurfaceRun(const View& view, int surface, int first, int n, RowBuffers& row,
+                             float* sum) const {
   const auto s = static_cast<std::size_t>(surface);
   const Material& material = scene_.materials[static_cast<std::size_t>(scene_.surfaces[s].material)];
   MeetPlane(view.planes[s], &row.dx[first], &row.dy[first], &row.dz[first], n, row.u.data(), row.v.data(),
             row.footprint.data(), row.depth.data());
-  EvaluateTexture(material, Hash(scene_.seed, static_cast<std::uint32_t>(surface)), row.u.data(), row.v.data(),
-                  row.footprint.data(), n, row.albedo.data());
+  EvaluateTexture(material, Hash(scene_.seed, static_cast<std::uint32_t>(surface)), row.u.data(),
+                  row.v.data(), row.footprint.data(), n, row.albedo.data());
   AddLit(light_.grid(surface), row.u.data(), row.v.data(), row.albedo.data(), n, 1.0F, sum + first);
   if (material.mirror > 0.0) AddMirrored(view, surface, first, n, row, sum);
 }
 
 /// Adds what the polished surface shows of the others. Reflections of reflections are left out.
-void Renderer::AddMirrored(const View& view, int surface, int first, int n, RowBuffers& row, float* sum) const {
+void Renderer::AddMirrored(const View& view, int surface, int first, int n, RowBuffers& row,
+                           float* sum) const {
   const Surface& mirror = scene_.surfaces[static_cast<std::size_t>(surface)];
   const Material& material = scene_.materials[static_cast<std::size_t>(mirror.material)];
   const Eigen::Vector3f normal = mirror.plane_world.normal.cast<float>();
   const Eigen::Vector3f eye = view.origin.cast<float>();
-  // Seen in a plane mirror the world is the world seen from the eye's image behind the mirror; the rays start on
-  // the mirror.
+  // Seen in a plane mirror the world is the world seen from the eye's image behind the mirror; the rays start
+  // on the mirror.
   const Eigen::Vector3d image =
       view.origin - 2.0 * mirror.plane_world.SignedDistance(view.origin) * mirror.plane_world.normal;
   RowBuffers seen(n);
@@ -149,21 +154,23 @@ void Renderer::AddMirrored(const View& view, int surface, int first, int n, RowB
       plane.origin_u = static_cast<float>(image.dot(frames_[s].axis_u));
       plane.origin_v = static_cast<float>(image.dot(frames_[s].axis_v));
       MeetPlane(plane, &seen.dx[static_cast<std::size_t>(i)], &seen.dy[static_cast<std::size_t>(i)],
-                &seen.dz[static_cast<std::size_t>(i)], end - i, seen.u.data(), seen.v.data(), seen.footprint.data(),
-                seen.depth.data());
+                &seen.dz[static_cast<std::size_t>(i)], end - i, seen.u.data(), seen.v.data(),
+                seen.footprint.data(), seen.depth.data());
       EvaluateTexture(scene_.materials[static_cast<std::size_t>(scene_.surfaces[s].material)],
                       Hash(scene_.seed, static_cast<std::uint32_t>(other)), seen.u.data(), seen.v.data(),
                       seen.footprint.data(), end - i, seen.albedo.data());
       for (int k = i; k < end; ++k) {
         seen.albedo[static_cast<std::size_t>(k - i)] *= weight[static_cast<std::size_t>(k)];
       }
-      AddLit(light_.grid(other), seen.u.data(), seen.v.data(), seen.albedo.data(), end - i, 1.0F, sum + first + i);
+      AddLit(light_.grid(other), seen.u.data(), seen.v.data(), seen.albedo.data(), end - i, 1.0F,
+             sum + first + i);
     }
     i = end;
   }
 }
 
-Radiance Renderer::Render(const std::function<Eigen::Isometry3d(double)>& pose_at, double t_s, std::uint32_t seed) {
+Radiance Renderer::Render(const std::function<Eigen::Isometry3d(double)>& pose_at, double t_s,
+                          std::uint32_t seed) {
   const int width = scene_.camera.width;
   const int height = scene_.camera.height;
   const int num_samples = config_.samples_side * config_.samples_side;
@@ -178,7 +185,8 @@ Radiance Renderer::Render(const std::function<Eigen::Isometry3d(double)>& pose_a
     rays.jitter = true;
     rays.seed = seed;
   }
-  Radiance image{width, height, std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+  Radiance image{width, height,
+                 std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
   const auto render_rows = [&](const tbb::blocked_range<int>& range) {
     RowBuffers row(width);
     std::vector<float> sum(static_cast<std::size_t>(width + kRowPadding));
@@ -196,13 +204,15 @@ Radiance Renderer::Render(const std::function<Eigen::Isometry3d(double)>& pose_a
           if (surface >= 0) {
             AddSurfaceRun(view, surface, x, end - x, row, sum.data());
           } else {
-            for (int k = x; k < end; ++k) sum[static_cast<std::size_t>(k)] += static_cast<float>(scene_.lighting.sky);
+            for (int k = x; k < end; ++k)
+              sum[static_cast<std::size_t>(k)] += static_cast<float>(scene_.lighting.sky);
           }
           x = end;
         }
       }
       float* pixels = &image.data[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)];
-      for (int x = 0; x < width; ++x) pixels[x] = sum[static_cast<std::size_t>(x)] / static_cast<float>(num_samples);
+      for (int x = 0; x < width; ++x)
+        pixels[x] = sum[static_cast<std::size_t>(x)] / static_cast<float>(num_samples);
     }
   };
   tbb::task_arena arena(ThreadsOf(config_));
@@ -211,30 +221,34 @@ Radiance Renderer::Render(const std::function<Eigen::Isometry3d(double)>& pose_a
   return image;
 }
 
-TrueView Renderer::Look(const Eigen::Isometry3d& T_world_camera, double t_s) {
+TrueView Renderer::Look(const Eigen::Isometry3d& T_world_camera, double t_s, int first_row, int row_step) {
   const int width = scene_.camera.width;
   const int height = scene_.camera.height;
   rays_.SetTime(t_s);
   const View view = ViewOf(T_world_camera, t_s);
   TrueView truth{width, height, {}, {}};
   const auto size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  truth.surface.resize(size);
+  truth.surface.assign(size, -1);
   truth.depth_m.resize(size);
+  const int num_rows = (height - first_row + row_step - 1) / row_step;
   const auto look_at_rows = [&](const tbb::blocked_range<int>& range) {
     RowBuffers row(width);
-    for (int y = range.begin(); y < range.end(); ++y) {
+    for (int i = range.begin(); i < range.end(); ++i) {
+      const int y = first_row + i * row_step;
       RowRays rays = view.rays;
       rays.row = y;
       GenerateRays(rays, row.dx.data(), row.dy.data(), row.dz.data());
-      rays_.Trace(view.origin.cast<float>(), row.dx.data(), row.dy.data(), row.dz.data(), width, row.surface.data());
+      rays_.Trace(view.origin.cast<float>(), row.dx.data(), row.dy.data(), row.dz.data(), width,
+                  row.surface.data());
       const auto start = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
       for (int x = 0; x < width;) {
         const int end = RunEnd(row.surface.data(), x, width);
         const auto at = static_cast<std::size_t>(x);
         if (row.surface[at] >= 0) {
-          MeetPlane(view.planes[static_cast<std::size_t>(row.surface[at])], &row.dx[at], &row.dy[at], &row.dz[at],
-                    end - x, row.u.data(), row.v.data(), row.footprint.data(), row.depth.data());
-          std::copy_n(row.depth.begin(), end - x, truth.depth_m.begin() + static_cast<std::ptrdiff_t>(start + at));
+          MeetPlane(view.planes[static_cast<std::size_t>(row.surface[at])], &row.dx[at], &row.dy[at],
+                    &row.dz[at], end - x, row.u.data(), row.v.data(), row.footprint.data(), row.depth.data());
+          std::copy_n(row.depth.begin(), end - x,
+                      truth.depth_m.begin() + static_cast<std::ptrdiff_t>(start + at));
         }
         x = end;
       }
@@ -242,7 +256,7 @@ TrueView Renderer::Look(const Eigen::Isometry3d& T_world_camera, double t_s) {
     }
   };
   tbb::task_arena arena(ThreadsOf(config_));
-  arena.execute([&] { tbb::parallel_for(tbb::blocked_range<int>(0, height, 4), look_at_rows); });
+  arena.execute([&] { tbb::parallel_for(tbb::blocked_range<int>(0, num_rows, 4), look_at_rows); });
   return truth;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -22,6 +23,9 @@ struct RendererConfig {
 
   std::vector<std::string> Problems() const;
 };
+
+/// Threads that this means, at most what the machine has.
+int ThreadsOf(const RendererConfig& config);
 
 /// Light that fell on the pixels of one camera, linear; 1 is white at gain 1.
 struct Radiance {
@@ -44,8 +48,10 @@ class Renderer {
   Renderer(const Scene& scene, const RendererConfig& config);
 
   /// @param pose_at  where the camera is, as a function of time: samples are spread over the exposure
-  Radiance Render(const std::function<Eigen::Isometry3d(double t_s)>& pose_at, double t_s, std::uint32_t seed);
-  TrueView Look(const Eigen::Isometry3d& T_world_camera, double t_s);
+  Radiance Render(const std::function<Eigen::Isometry3d(double t_s)>& pose_at, double t_s,
+                  std::uint32_t seed);
+  /// Rows from first_row on, every row_step-th; the others stay empty.
+  TrueView Look(const Eigen::Isometry3d& T_world_camera, double t_s, int first_row = 0, int row_step = 1);
 
   const RayScene& rays() const { return rays_; }
   std::int64_t num_rays() const { return num_rays_; }  ///< traced for images so far

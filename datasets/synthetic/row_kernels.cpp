@@ -19,7 +19,9 @@ using Vi = hn::Vec<Ints>;
 using Vw = hn::Vec<Words>;
 
 inline Vf Set(float value) { return hn::Set(Floats(), value); }
-inline Vf MulAdd(Vf a, Vf b, Vf c) { return hn::Add(hn::Mul(a, b), c); }  // rounded twice, on every processor
+inline Vf ScaleAdd(Vf a, Vf b, Vf c) {
+  return hn::Add(hn::Mul(a, b), c);
+}  // rounded twice, on every processor
 inline Vf Dot(const float* a, Vf x, Vf y, Vf z) {
   return hn::Add(hn::Mul(x, Set(a[0])), hn::Add(hn::Mul(y, Set(a[1])), hn::Mul(z, Set(a[2]))));
 }
@@ -42,26 +44,29 @@ void Generate(const RowRays& r, float* dx, float* dy, float* dz) {
     Vf du = Set(0.0F);
     Vf dv = Set(0.0F);
     if (r.jitter) {
-      const Vw h = HashPixels(hn::Xor(hn::BitCast(Words(), column),
-                                      hn::Set(Words(), r.seed + 0x9e3779b9U * static_cast<std::uint32_t>(r.row))));
-      // The strata take turns over the pixels, so that no part of a pixel belongs to one part of the exposure.
+      const Vw h =
+          HashPixels(hn::Xor(hn::BitCast(Words(), column),
+                             hn::Set(Words(), r.seed + 0x9e3779b9U * static_cast<std::uint32_t>(r.row))));
+      // The strata take turns over the pixels, so that no part of a pixel belongs to one part of the
+      // exposure.
       const Vi turn = hn::And(hn::BitCast(di, hn::ShiftRight<27>(h)), hn::Set(di, r.grid * r.grid - 1));
       const Vi stratum_index = hn::Xor(turn, hn::Set(di, r.sample));
       const Vf index = hn::ConvertTo(d, stratum_index);
-      const Vf index_v = hn::Floor(hn::Mul(MulAdd(Set(1.0F), index, Set(0.5F)), Set(stratum)));
+      const Vf index_v = hn::Floor(hn::Mul(ScaleAdd(Set(1.0F), index, Set(0.5F)), Set(stratum)));
       const Vf index_u = hn::Sub(index, hn::Mul(index_v, Set(static_cast<float>(r.grid))));
       const Vw again = HashPixels(hn::Add(h, hn::Set(Words(), static_cast<std::uint32_t>(r.sample))));
-      const Vf ju = hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(again))), Set(1.0F / 65536.0F));
-      const Vf jv = hn::Mul(
-          hn::ConvertTo(d, hn::BitCast(di, hn::And(again, hn::Set(Words(), 0xffffU)))), Set(1.0F / 65536.0F));
+      const Vf ju =
+          hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(again))), Set(1.0F / 65536.0F));
+      const Vf jv = hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::And(again, hn::Set(Words(), 0xffffU)))),
+                            Set(1.0F / 65536.0F));
       du = hn::Sub(hn::Mul(hn::Add(index_u, ju), Set(stratum)), Set(0.5F));
       dv = hn::Sub(hn::Mul(hn::Add(index_v, jv), Set(stratum)), Set(0.5F));
     }
     const Vf u = hn::Add(hn::ConvertTo(d, column), du);
     const Vf v = hn::Add(Set(static_cast<float>(r.row)), dv);
-    hn::StoreU(MulAdd(Set(r.across[0]), u, MulAdd(Set(r.down[0]), v, Set(r.base[0]))), d, dx + x);
-    hn::StoreU(MulAdd(Set(r.across[1]), u, MulAdd(Set(r.down[1]), v, Set(r.base[1]))), d, dy + x);
-    hn::StoreU(MulAdd(Set(r.across[2]), u, MulAdd(Set(r.down[2]), v, Set(r.base[2]))), d, dz + x);
+    hn::StoreU(ScaleAdd(Set(r.across[0]), u, ScaleAdd(Set(r.down[0]), v, Set(r.base[0]))), d, dx + x);
+    hn::StoreU(ScaleAdd(Set(r.across[1]), u, ScaleAdd(Set(r.down[1]), v, Set(r.base[1]))), d, dy + x);
+    hn::StoreU(ScaleAdd(Set(r.across[2]), u, ScaleAdd(Set(r.down[2]), v, Set(r.base[2]))), d, dz + x);
   }
 }
 
@@ -75,8 +80,8 @@ void Meet(const PlaneView& p, const float* dx, const float* dy, const float* dz,
     const Vf slope = Dot(p.normal, x, y, z);
     const Vf t = hn::Div(Set(p.distance), slope);
     hn::StoreU(t, d, depth + i);
-    hn::StoreU(MulAdd(t, Dot(p.axis_u, x, y, z), Set(p.origin_u)), d, u + i);
-    hn::StoreU(MulAdd(t, Dot(p.axis_v, x, y, z), Set(p.origin_v)), d, v + i);
+    hn::StoreU(ScaleAdd(t, Dot(p.axis_u, x, y, z), Set(p.origin_u)), d, u + i);
+    hn::StoreU(ScaleAdd(t, Dot(p.axis_v, x, y, z), Set(p.origin_v)), d, v + i);
     // A pixel covers t^2 / (fx fy |n . d|) of the plane.
     const Vf root = hn::Sqrt(hn::Max(hn::Abs(slope), Set(1e-6F)));
     hn::StoreU(hn::Div(hn::Mul(t, Set(p.inverse_focal)), root), d, footprint + i);
@@ -103,10 +108,11 @@ void Light(const LightGrid& g, const float* u, const float* v, const float* albe
     const Vf v10 = hn::GatherIndex(d, g.values + 1, index);
     const Vf v01 = hn::GatherIndex(d, g.values + g.nu, index);
     const Vf v11 = hn::GatherIndex(d, g.values + g.nu + 1, index);
-    const Vf low = MulAdd(hn::Sub(v10, v00), tx, v00);
-    const Vf high = MulAdd(hn::Sub(v11, v01), tx, v01);
-    const Vf light = MulAdd(hn::Sub(high, low), ty, low);
-    const Vf sum = MulAdd(hn::Mul(light, hn::LoadU(d, albedo + i)), Set(weight), hn::LoadU(d, radiance + i));
+    const Vf low = ScaleAdd(hn::Sub(v10, v00), tx, v00);
+    const Vf high = ScaleAdd(hn::Sub(v11, v01), tx, v01);
+    const Vf light = ScaleAdd(hn::Sub(high, low), ty, low);
+    const Vf sum =
+        ScaleAdd(hn::Mul(light, hn::LoadU(d, albedo + i)), Set(weight), hn::LoadU(d, radiance + i));
     // Only n of them: the run behind this one has its own light.
     if (i + static_cast<int>(hn::Lanes(d)) <= n) {
       hn::StoreU(sum, d, radiance + i);
@@ -136,8 +142,8 @@ void MeetPlane(const PlaneView& plane, const float* dx, const float* dy, const f
   HWY_DYNAMIC_DISPATCH(Meet)(plane, dx, dy, dz, n, u_m, v_m, footprint_m, depth_m);
 }
 
-void AddLit(const LightGrid& grid, const float* u_m, const float* v_m, const float* albedo, int n, float weight,
-            float* radiance) {
+void AddLit(const LightGrid& grid, const float* u_m, const float* v_m, const float* albedo, int n,
+            float weight, float* radiance) {
   HWY_DYNAMIC_DISPATCH(Light)(grid, u_m, v_m, albedo, n, weight, radiance);
 }
 

@@ -8,8 +8,8 @@
 namespace terrace::synthetic {
 
 /// Directions of the rays of one image row. Their component along the optical axis is 1, so that the distance
-/// along a ray is the depth z. Pixel (u, v) at offset (du, dv) looks along across * (u + du) + down * (v + dv) +
-/// base, in the world.
+/// along a ray is the depth z. Pixel (u, v) at offset (du, dv) looks along across * (u + du) + down * (v +
+/// dv) + base, in the world.
 struct RowRays {
   float base[3];
   float across[3];
@@ -47,7 +47,7 @@ struct LightGrid {
   const float* values = nullptr;  ///< values[v * nu + u]
 };
 /// radiance[i] += weight * albedo[i] * light(u, v), interpolated bilinearly.
-void AddLit(const LightGrid& grid, const float* u_m, const float* v_m, const float* albedo, int n, float weight,
-            float* radiance);
+void AddLit(const LightGrid& grid, const float* u_m, const float* v_m, const float* albedo, int n,
+            float weight, float* radiance);
 
 }  // namespace terrace::synthetic

@@ -8,8 +8,8 @@
 namespace terrace::synthetic {
 namespace {
 
-constexpr std::array<const char*, kNumPatterns> kPatternNames{"plain", "noise",   "concrete", "tiles",  "wood",
-                                                              "brick", "checker", "posters",  "grating"};
+constexpr std::array<const char*, kNumPatterns> kPatternNames{
+    "plain", "noise", "concrete", "tiles", "wood", "brick", "checker", "posters", "grating"};
 constexpr std::array<const char*, 4> kMotionNames{"walk", "stand", "creep", "turn_on_spot"};
 
 }  // namespace

@@ -52,26 +52,26 @@ struct Surface {
 struct Lamp {
   bool distant = false;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  Eigen::Vector2d size_m = Eigen::Vector2d(0.6, 0.6);  ///< along x and y
+  Eigen::Vector2d size_m = Eigen::Vector2d(0.6, 0.6);           ///< along x and y
   Eigen::Vector3d direction = Eigen::Vector3d(0.3, 0.2, -1.0);  ///< of the sun's light
   double softness_rad = 0.0;                                    ///< the sun's half width; 0: hard shadows
   double strength = 1.0;  ///< irradiance, over 1, straight below at 1 m, or of the sun on a plane facing it
 };
 
 struct Lighting {
-  double ambient = 0.4;             ///< irradiance where nothing is in the way
-  double occlusion_reach_m = 1.5;   ///< farther surfaces do not darken the ambient light
-  double sky = 0.9;                 ///< radiance where a ray meets nothing
-  double texel_m = 0.04;            ///< spacing of the baked light
-  int rays_per_texel = 24;          ///< for each lamp, and for the ambient light
+  double ambient = 0.4;            ///< irradiance where nothing is in the way
+  double occlusion_reach_m = 1.5;  ///< farther surfaces do not darken the ambient light
+  double sky = 0.9;                ///< radiance where a ray meets nothing
+  double texel_m = 0.04;           ///< spacing of the baked light
+  int rays_per_texel = 24;         ///< for each lamp, and for the ambient light
   std::vector<Lamp> lamps;
 };
 
 /// What turns light into numbers.
 struct Photometry {
-  double full_well = 20000.0;       ///< electrons at white
-  double read_noise = 10.0;         ///< electrons
-  double gain_right = 1.03;         ///< brightness of the right camera over the left
+  double full_well = 20000.0;  ///< electrons at white
+  double read_noise = 10.0;    ///< electrons
+  double gain_right = 1.03;    ///< brightness of the right camera over the left
   double exposure_s = 0.004;
   double vignette = 0.3;            ///< loss of light in the image's corner
   double target = 0.17;             ///< mean linear brightness that auto-exposure aims at
@@ -109,18 +109,17 @@ struct MotionPlan {
   double turn_radps = 0.5;
   double hold_start_s = 0.6;
   double hold_end_s = 1.0;
-  double gaze_rad = 0.07;    ///< how far the body turns left and right of its way
-  double bounce = 1.0;       ///< times the ordinary bounce, roll, pitch and jolts
-  double duration_s = 0.0;   ///< 0: until the path is done; stand 60 s, creep 20 s, one turn
+  double gaze_rad = 0.07;   ///< how far the body turns left and right of its way
+  double bounce = 1.0;      ///< times the ordinary bounce, roll, pitch and jolts
+  double duration_s = 0.0;  ///< 0: until the path is done; stand 60 s, creep 20 s, one turn
 };
 
-/// A staircase that turns has its truth at the middle of the tread's width, and at its first step.
+/// A staircase that turns has its truth at the middle of the tread's width, and its direction at its first
+/// step.
 struct SceneStaircase {
   TrueStaircase truth;
   double turn_per_step_rad = 0.0;
   bool open_risers = false;
-  std::array<Eigen::Vector3d, 2> foot_edge{};  ///< left, right looking up
-  std::array<Eigen::Vector3d, 2> top_edge{};
 };
 
 /// Where the cameras are on the robot.

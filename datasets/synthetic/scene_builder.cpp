@@ -59,7 +59,8 @@ Plane PlaneOf(const Ring& ring) {
   return {normal, normal.dot(middle)};
 }
 
-bool InsideConvex(const Ring& ring, const Eigen::Vector3d& normal, const Eigen::Vector3d& p, double margin_m) {
+bool InsideConvex(const Ring& ring, const Eigen::Vector3d& normal, const Eigen::Vector3d& p,
+                  double margin_m) {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Eigen::Vector3d edge = (ring[(i + 1) % ring.size()] - ring[i]).normalized();
     if (normal.cross(edge).dot(p - ring[i]) < margin_m) return false;
@@ -69,7 +70,8 @@ bool InsideConvex(const Ring& ring, const Eigen::Vector3d& normal, const Eigen::
 
 }  // namespace
 
-Surface& SceneBuilder::Add(const std::string& name, const std::string& label, const Ring& outline, int material) {
+Surface& SceneBuilder::Add(const std::string& name, const std::string& label, const Ring& outline,
+                           int material) {
   Surface surface;
   surface.name = name;
   surface.label = label;
@@ -128,7 +130,8 @@ void SceneBuilder::AddWall(const WallSpec& s, int material) {
         const bool open = std::any_of(s.openings.begin(), s.openings.end(), [&](const WallSpec::Opening& o) {
           return o.from_m < u && u < o.to_m && o.bottom_m < v && v < o.top_m;
         });
-        if (!open) wall.pieces.push_back(rectangle(cuts_along[i], cuts_along[i + 1], cuts_up[j], cuts_up[j + 1]));
+        if (!open)
+          wall.pieces.push_back(rectangle(cuts_along[i], cuts_along[i + 1], cuts_up[j], cuts_up[j + 1]));
       }
     }
     // Doors reach the floor: they are part of the outline, cut from its foot from left to right.
@@ -144,8 +147,9 @@ void SceneBuilder::AddWall(const WallSpec& s, int material) {
       outline.insert(outline.end(), {foot + door.from_m * along, foot + door.from_m * along + up,
                                      foot + door.to_m * along + up, foot + door.to_m * along});
     }
-    outline.insert(outline.end(), {foot + length * along, foot + length * along + s.height_m * Eigen::Vector3d::UnitZ(),
-                                   foot + s.height_m * Eigen::Vector3d::UnitZ()});
+    outline.insert(outline.end(),
+                   {foot + length * along, foot + length * along + s.height_m * Eigen::Vector3d::UnitZ(),
+                    foot + s.height_m * Eigen::Vector3d::UnitZ()});
     if (!behind) std::reverse(outline.begin(), outline.end());
     wall.outline_world = outline;
   };
@@ -170,8 +174,8 @@ void SceneBuilder::AddWall(const WallSpec& s, int material) {
     const double height = o.top_m - o.bottom_m;
     trim("reveal", Upright(back + o.from_m * along + low, foot + o.from_m * along + low, height));
     trim("reveal", Upright(foot + o.to_m * along + low, back + o.to_m * along + low, height));
-    trim("lintel", {back + o.from_m * along + high, foot + o.from_m * along + high, foot + o.to_m * along + high,
-                    back + o.to_m * along + high});
+    trim("lintel", {back + o.from_m * along + high, foot + o.from_m * along + high,
+                    foot + o.to_m * along + high, back + o.to_m * along + high});
     if (o.bottom_m > 0.0) {
       trim("sill", {foot + o.from_m * along + low, back + o.from_m * along + low, back + o.to_m * along + low,
                     foot + o.to_m * along + low});
@@ -188,11 +192,13 @@ void SceneBuilder::AddBox(const BoxSpec& s, int material) {
   const Eigen::Vector3d h = 0.5 * s.size_m;
   const double top = s.size_m.z();
   const std::string side = s.side_label.empty() ? UprightLabel(top) : s.side_label;
-  const auto face = [&](const std::string& which, const std::string& label, const std::vector<Eigen::Vector3d>& corners) {
+  const auto face = [&](const std::string& which, const std::string& label,
+                        const std::vector<Eigen::Vector3d>& corners) {
     Surface& surface = Add(s.name + "/" + which, label, Placed(T, corners), material);
     surface.detail = s.detail;
   };
-  face("top", s.top_label, {{-h.x(), -h.y(), top}, {h.x(), -h.y(), top}, {h.x(), h.y(), top}, {-h.x(), h.y(), top}});
+  face("top", s.top_label,
+       {{-h.x(), -h.y(), top}, {h.x(), -h.y(), top}, {h.x(), h.y(), top}, {-h.x(), h.y(), top}});
   face("-y", side, {{-h.x(), -h.y(), 0}, {h.x(), -h.y(), 0}, {h.x(), -h.y(), top}, {-h.x(), -h.y(), top}});
   face("+x", side, {{h.x(), -h.y(), 0}, {h.x(), h.y(), 0}, {h.x(), h.y(), top}, {h.x(), -h.y(), top}});
   face("+y", side, {{h.x(), h.y(), 0}, {-h.x(), h.y(), 0}, {-h.x(), h.y(), top}, {h.x(), h.y(), top}});
@@ -232,13 +238,15 @@ void SceneBuilder::AddStaircase(const StaircaseSpec& s, int material, int riser_
   stairs.truth.id = static_cast<int>(scene_.staircases.size()) + 1;
   const auto place = [&](const std::string& what, int step, const std::string& label, bool detail,
                          const std::vector<Eigen::Vector3d>& corners, int of_material) -> Surface& {
-    Surface& surface = Add(s.name + "/" + what + std::to_string(step), label, Placed(T, corners), of_material);
+    Surface& surface =
+        Add(s.name + "/" + what + std::to_string(step), label, Placed(T, corners), of_material);
     surface.detail = detail;
     return surface;
   };
   const bool slabs = s.open_risers || s.nosing_m > 0.0;
   const auto upright = [&](double x, double bottom, double top) {  // seen from below the stairs
-    return std::vector<Eigen::Vector3d>{{x, half, bottom}, {x, -half, bottom}, {x, -half, top}, {x, half, top}};
+    return std::vector<Eigen::Vector3d>{
+        {x, half, bottom}, {x, -half, bottom}, {x, -half, top}, {x, half, top}};
   };
   for (int i = 1; i <= n; ++i) {
     const double run = (i - 1) * s.tread_m;
@@ -246,8 +254,8 @@ void SceneBuilder::AddStaircase(const StaircaseSpec& s, int material, int riser_
     const double high = i * s.riser_m;
     const bool last = i == n;
     if (!s.open_risers) {
-      Surface& riser = place("riser", i, "stair_riser", false, upright(run, low, slabs ? high - s.slab_m : high),
-                             riser_material);
+      Surface& riser = place("riser", i, "stair_riser", false,
+                             upright(run, low, slabs ? high - s.slab_m : high), riser_material);
       riser.staircase_id = stairs.truth.id;
       riser.step_index = i;
     }
@@ -260,7 +268,9 @@ void SceneBuilder::AddStaircase(const StaircaseSpec& s, int material, int riser_
       const double back = s.open_risers ? (last ? run : run + s.tread_m) : run;
       if (back - front > 1e-6) {
         place("underside", i, "other", true,
-              {{front, half, high - s.slab_m}, {back, half, high - s.slab_m}, {back, -half, high - s.slab_m},
+              {{front, half, high - s.slab_m},
+               {back, half, high - s.slab_m},
+               {back, -half, high - s.slab_m},
                {front, -half, high - s.slab_m}},
               material);
       }
@@ -268,23 +278,31 @@ void SceneBuilder::AddStaircase(const StaircaseSpec& s, int material, int riser_
     if (last) {
       // The lip over the last riser belongs to what follows.
       if (s.nosing_m > 0.0 && s.landing_m <= 0.0) {
-        place("lip", i, "walkway", true, {{front, -half, high}, {run, -half, high}, {run, half, high}, {front, half, high}},
-              material);
+        place("lip", i, "walkway", true,
+              {{front, -half, high}, {run, -half, high}, {run, half, high}, {front, half, high}}, material);
       }
       continue;
     }
-    // Behind a riser the tread goes on under nothing: it ends at the next riser. Open treads overlap by nothing.
+    // Behind a riser the tread goes on under nothing: it ends at the next riser. Open treads overlap by
+    // nothing.
     const double back = run + s.tread_m;
     Surface& tread =
-        place("tread", i, "stair_tread", false, {{front, -half, high}, {back, -half, high}, {back, half, high}, {front, half, high}},
-              material);
+        place("tread", i, "stair_tread", false,
+              {{front, -half, high}, {back, -half, high}, {back, half, high}, {front, half, high}}, material);
     tread.staircase_id = stairs.truth.id;
     tread.step_index = i;
     if (s.open_risers) {
-      place("back", i, "other", true, {{back, -half, high - s.slab_m}, {back, half, high - s.slab_m}, {back, half, high}, {back, -half, high}},
+      place("back", i, "other", true,
+            {{back, -half, high - s.slab_m},
+             {back, half, high - s.slab_m},
+             {back, half, high},
+             {back, -half, high}},
             material);
       for (const double side : {half, -half}) {
-        std::vector<Eigen::Vector3d> strip{{front, side, high - s.slab_m}, {back, side, high - s.slab_m}, {back, side, high}, {front, side, high}};
+        std::vector<Eigen::Vector3d> strip{{front, side, high - s.slab_m},
+                                           {back, side, high - s.slab_m},
+                                           {back, side, high},
+                                           {front, side, high}};
         if (side > 0.0) std::reverse(strip.begin(), strip.end());
         place(side > 0.0 ? "left" : "right", i, "other", true, strip, material);
       }
@@ -296,11 +314,14 @@ void SceneBuilder::AddStaircase(const StaircaseSpec& s, int material, int riser_
   if (s.landing_m > 0.0) {
     const double front = head - s.nosing_m;
     Add(s.name + "/landing", "walkway",
-        Placed(T, {{front, -half, rise}, {tail, -half, rise}, {tail, half, rise}, {front, half, rise}}), material);
+        Placed(T, {{front, -half, rise}, {tail, -half, rise}, {tail, half, rise}, {front, half, rise}}),
+        material);
     Add(s.name + "/back", UprightLabel(rise),
-        Placed(T, {{tail, -half, 0}, {tail, half, 0}, {tail, half, rise}, {tail, -half, rise}}), riser_material);
+        Placed(T, {{tail, -half, 0}, {tail, half, 0}, {tail, half, rise}, {tail, -half, rise}}),
+        riser_material);
     if (s.open_risers) {
-      Add(s.name + "/landing front", UprightLabel(rise), Placed(T, upright(head, 0.0, rise - s.slab_m)), riser_material);
+      Add(s.name + "/landing front", UprightLabel(rise), Placed(T, upright(head, 0.0, rise - s.slab_m)),
+          riser_material);
     }
   }
   const bool solid = !s.open_risers;
@@ -324,15 +345,16 @@ void SceneBuilder::AddStaircase(const StaircaseSpec& s, int material, int riser_
         std::reverse(profile.begin(), profile.end());
         for (auto& corners : columns) std::reverse(corners.begin(), corners.end());
       }
-      Surface& face = Add(s.name + (side > 0.0 ? "/side left" : "/side right"), UprightLabel(rise), Placed(T, profile),
-                          riser_material);
+      Surface& face = Add(s.name + (side > 0.0 ? "/side left" : "/side right"), UprightLabel(rise),
+                          Placed(T, profile), riser_material);
       face.pieces.clear();
       for (const auto& corners : columns) face.pieces.push_back(Placed(T, corners));
     }
   }
   const double foot_end = s.landing_m > 0.0 ? tail : head;
   if (solid) {
-    footprints_.push_back(Placed(T, {{0, -half, 0}, {foot_end, -half, 0}, {foot_end, half, 0}, {0, half, 0}}));
+    footprints_.push_back(
+        Placed(T, {{0, -half, 0}, {foot_end, -half, 0}, {foot_end, half, 0}, {0, half, 0}}));
   } else if (s.landing_m > 0.0) {
     footprints_.push_back(Placed(T, {{head, -half, 0}, {tail, -half, 0}, {tail, half, 0}, {head, half, 0}}));
   }
@@ -342,11 +364,13 @@ void SceneBuilder::AddStaircase(const StaircaseSpec& s, int material, int riser_
   stairs.truth.riser_m = s.riser_m;
   stairs.truth.tread_m = s.tread_m;
   stairs.truth.width_m = s.width_m;
-  stairs.truth.direction_world = T.linear().col(0);
-  stairs.truth.base_world = s.foot;
+  stairs.truth.riser_heights_m.assign(static_cast<std::size_t>(n), s.riser_m);
+  stairs.truth.tread_depths_m.assign(static_cast<std::size_t>(n - 1), s.tread_m);
+  stairs.truth.direction_up_world = T.linear().col(0);
   stairs.open_risers = s.open_risers;
-  stairs.foot_edge = {T * Eigen::Vector3d(0, half, 0), T * Eigen::Vector3d(0, -half, 0)};
-  stairs.top_edge = {T * Eigen::Vector3d(head, half, rise), T * Eigen::Vector3d(head, -half, rise)};
+  stairs.truth.foot_edge_world = {T * Eigen::Vector3d(0, half, 0), T * Eigen::Vector3d(0, -half, 0)};
+  stairs.truth.head_edge_world = {T * Eigen::Vector3d(head, half, rise),
+                                  T * Eigen::Vector3d(head, -half, rise)};
   scene_.staircases.push_back(stairs);
 }
 
@@ -355,12 +379,13 @@ void SceneBuilder::AddSpiral(const SpiralSpec& s, int material, int riser_materi
   const int n = s.num_risers;
   SceneStaircase stairs;
   stairs.truth.id = static_cast<int>(scene_.staircases.size()) + 1;
-  const auto at = [&](double radius, int step, double height) {  // on the ray of riser step + 1
+  const auto at = [&](double radius, double step, double height) {  // on the ray of riser step + 1
     const double angle = s.start_rad + step * turn;
     return Eigen::Vector3d(s.axis_foot +
                            Eigen::Vector3d(radius * std::cos(angle), radius * std::sin(angle), height));
   };
-  const auto add = [&](const std::string& what, int step, const std::string& label, Ring ring, int of_material) -> Surface& {
+  const auto add = [&](const std::string& what, int step, const std::string& label, Ring ring,
+                       int of_material) -> Surface& {
     if (turn < 0.0) std::reverse(ring.begin(), ring.end());
     return Add(s.name + "/" + what + std::to_string(step), label, ring, of_material);
   };
@@ -373,29 +398,51 @@ void SceneBuilder::AddSpiral(const SpiralSpec& s, int material, int riser_materi
                          riser_material);
     riser.staircase_id = stairs.truth.id;
     riser.step_index = i;
-    // The step above the last riser is the landing: as wide as a step.
-    const bool last = i == n;
-    Surface& tread = add(last ? "landing" : "tread", i, last ? "walkway" : "stair_tread",
+    if (i == n) break;
+    Surface& tread = add("tread", i, "stair_tread",
                          {at(s.inner_m, i - 1, high), at(s.outer_m, i - 1, high), at(s.outer_m, i, high),
                           at(s.inner_m, i, high)},
                          material);
-    if (!last) {
-      tread.staircase_id = stairs.truth.id;
-      tread.step_index = i;
-    }
+    tread.staircase_id = stairs.truth.id;
+    tread.step_index = i;
     add("outside", i, UprightLabel(high),
         {at(s.outer_m, i - 1, 0), at(s.outer_m, i, 0), at(s.outer_m, i, high), at(s.outer_m, i - 1, high)},
         riser_material);
   }
+  // The landing goes on from the last riser in wedges of one plane.
   const double rise = n * s.riser_m;
-  add("end", n, UprightLabel(rise), {at(s.outer_m, n, 0), at(s.inner_m, n, 0), at(s.inner_m, n, rise), at(s.outer_m, n, rise)},
+  const int wedges = std::max(1, static_cast<int>(std::lround(s.landing_rad / std::abs(turn))));
+  const double wedge = s.landing_rad / wedges / std::abs(turn);  // in steps
+  Ring outline;
+  std::vector<Ring> pieces;
+  for (int i = 0; i <= wedges; ++i) outline.push_back(at(s.outer_m, n - 1 + i * wedge, rise));
+  for (int i = wedges; i >= 0; --i) outline.push_back(at(s.inner_m, n - 1 + i * wedge, rise));
+  Surface& landing = add("landing", n, "walkway", outline, material);
+  for (int i = 0; i < wedges; ++i) {
+    Ring piece{at(s.inner_m, n - 1 + i * wedge, rise), at(s.outer_m, n - 1 + i * wedge, rise),
+               at(s.outer_m, n - 1 + (i + 1) * wedge, rise), at(s.inner_m, n - 1 + (i + 1) * wedge, rise)};
+    if (turn < 0.0) std::reverse(piece.begin(), piece.end());
+    pieces.push_back(piece);
+  }
+  landing.pieces = pieces;
+  for (int i = 0; i < wedges; ++i) {
+    const double from = n - 1 + i * wedge;
+    const double to = from + wedge;
+    add("outside", n + i, UprightLabel(rise),
+        {at(s.outer_m, from, 0), at(s.outer_m, to, 0), at(s.outer_m, to, rise), at(s.outer_m, from, rise)},
+        riser_material);
+  }
+  const double end = n - 1 + s.landing_rad / std::abs(turn);
+  add("end", n, UprightLabel(rise),
+      {at(s.outer_m, end, 0), at(s.inner_m, end, 0), at(s.inner_m, end, rise), at(s.outer_m, end, rise)},
       riser_material);
   // The column in the middle, with a corner on every riser.
   const double column_top = rise + 1.0;
   const int corners = std::max(3, static_cast<int>(std::lround(2.0 * std::numbers::pi / std::abs(turn))));
   for (int i = 0; i < corners; ++i) {
     Surface& face = add("column", i, "wall",
-                        {at(s.inner_m, i, 0), at(s.inner_m, i + 1, 0), at(s.inner_m, i + 1, column_top), at(s.inner_m, i, column_top)},
+                        {at(s.inner_m, i, 0), at(s.inner_m, i + 1, 0), at(s.inner_m, i + 1, column_top),
+                         at(s.inner_m, i, column_top)},
                         material);
     face.detail = 2.0 * s.inner_m * std::sin(0.5 * std::abs(turn)) < 0.1;
   }
@@ -406,13 +453,14 @@ void SceneBuilder::AddSpiral(const SpiralSpec& s, int material, int riser_materi
   stairs.truth.tread_m = middle * std::abs(turn);
   stairs.truth.width_m = s.outer_m - s.inner_m;
   const double way = s.start_rad + (turn > 0.0 ? 0.5 : -0.5) * std::numbers::pi;
-  stairs.truth.direction_world = Eigen::Vector3d(std::cos(way), std::sin(way), 0.0);
-  stairs.truth.base_world = at(middle, 0, 0);
+  stairs.truth.riser_heights_m.assign(static_cast<std::size_t>(n), s.riser_m);
+  stairs.truth.tread_depths_m.assign(static_cast<std::size_t>(n - 1), stairs.truth.tread_m);
+  stairs.truth.direction_up_world = Eigen::Vector3d(std::cos(way), std::sin(way), 0.0);
   stairs.turn_per_step_rad = turn;
   const double left = turn > 0.0 ? s.inner_m : s.outer_m;
   const double right = turn > 0.0 ? s.outer_m : s.inner_m;
-  stairs.foot_edge = {at(left, 0, 0), at(right, 0, 0)};
-  stairs.top_edge = {at(left, n - 1, rise), at(right, n - 1, rise)};
+  stairs.truth.foot_edge_world = {at(left, 0, 0), at(right, 0, 0)};
+  stairs.truth.head_edge_world = {at(left, n - 1, rise), at(right, n - 1, rise)};
   scene_.staircases.push_back(stairs);
 }
 
@@ -422,19 +470,25 @@ void SceneBuilder::AddRamp(const RampSpec& s, int material) {
   const double tail = s.length_m + s.landing_m;
   const bool gentle = std::atan2(s.rise_m, s.length_m) <= kWalkwaySlope_rad;
   Add(s.name, gentle ? "walkway" : "ramp",
-      Placed(T, {{0, -half, 0}, {s.length_m, -half, s.rise_m}, {s.length_m, half, s.rise_m}, {0, half, 0}}), material);
+      Placed(T, {{0, -half, 0}, {s.length_m, -half, s.rise_m}, {s.length_m, half, s.rise_m}, {0, half, 0}}),
+      material);
   if (s.landing_m > 0.0) {
     Add(s.name + "/landing", "walkway",
-        Placed(T, {{s.length_m, -half, s.rise_m}, {tail, -half, s.rise_m}, {tail, half, s.rise_m}, {s.length_m, half, s.rise_m}}),
+        Placed(T, {{s.length_m, -half, s.rise_m},
+                   {tail, -half, s.rise_m},
+                   {tail, half, s.rise_m},
+                   {s.length_m, half, s.rise_m}}),
         material);
   }
   Add(s.name + "/back", UprightLabel(s.rise_m),
-      Placed(T, {{tail, -half, 0}, {tail, half, 0}, {tail, half, s.rise_m}, {tail, -half, s.rise_m}}), material);
+      Placed(T, {{tail, -half, 0}, {tail, half, 0}, {tail, half, s.rise_m}, {tail, -half, s.rise_m}}),
+      material);
   for (const double side : {half, -half}) {
     std::vector<Eigen::Vector3d> profile{{0, side, 0}, {tail, side, 0}, {tail, side, s.rise_m}};
     if (s.landing_m > 0.0) profile.push_back({s.length_m, side, s.rise_m});
     if (side > 0.0) std::reverse(profile.begin(), profile.end());
-    Add(s.name + (side > 0.0 ? "/side left" : "/side right"), UprightLabel(s.rise_m), Placed(T, profile), material);
+    Add(s.name + (side > 0.0 ? "/side left" : "/side right"), UprightLabel(s.rise_m), Placed(T, profile),
+        material);
   }
   footprints_.push_back(Placed(T, {{0, -half, 0}, {tail, -half, 0}, {tail, half, 0}, {0, half, 0}}));
 }
@@ -477,7 +531,8 @@ void SceneBuilder::Finish() {
   }
   for (MovingObject& object : scene_.moving) object.mesh_id = ++id;
   for (Surface& surface : scene_.surfaces) {
-    if (surface.moving_object) surface.image_id = scene_.moving[static_cast<std::size_t>(*surface.moving_object)].mesh_id;
+    if (surface.moving_object)
+      surface.image_id = scene_.moving[static_cast<std::size_t>(*surface.moving_object)].mesh_id;
   }
 }
 

@@ -23,8 +23,8 @@ struct FloorSpec {
 /// An upright rectangle seen from the left of the way from `from` to `to`; with a thickness also from behind.
 struct WallSpec {
   struct Opening {
-    double from_m, to_m;        ///< along the wall
-    double bottom_m, top_m;     ///< above its foot
+    double from_m, to_m;     ///< along the wall
+    double bottom_m, top_m;  ///< above its foot
   };
   std::string name = "wall";
   Eigen::Vector2d from{0, 0};
@@ -65,8 +65,8 @@ struct StaircaseSpec {
   double riser_m = 0.17;
   double tread_m = 0.28;
   double width_m = 1.2;
-  double nosing_m = 0.0;   ///< treads reach over their riser by this
-  double slab_m = 0.04;    ///< thickness of treads with a nosing or with open risers
+  double nosing_m = 0.0;  ///< treads reach over their riser by this
+  double slab_m = 0.04;   ///< thickness of treads with a nosing or with open risers
   bool open_risers = false;
   bool sides = true;       ///< faces left and right; not needed between walls
   double landing_m = 0.0;  ///< length of a solid platform at the top; 0: what follows is a floor of its own
@@ -82,6 +82,7 @@ struct SpiralSpec {
   double riser_m = 0.17;
   double start_rad = 0.0;               ///< direction from the axis to the first riser
   double turn_per_step_rad = 0.392699;  ///< positive: turns left going up
+  double landing_rad = 0.8;             ///< of the platform behind the last riser
 };
 
 /// An inclined plane, solid, with its sides.

@@ -62,7 +62,8 @@ Eigen::Quaterniond Small(const Eigen::Vector3d& rotation) {
 
 ImageSensor::ImageSensor(const Photometry& photometry) : photometry_(photometry), curve_(kCurveSteps + 1) {
   for (int i = 0; i <= kCurveSteps; ++i) {
-    const double grey = photometry_.black + (255.0 - photometry_.black) * Srgb(static_cast<double>(i) / kCurveSteps);
+    const double grey =
+        photometry_.black + (255.0 - photometry_.black) * Srgb(static_cast<double>(i) / kCurveSteps);
     curve_[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::clamp(std::lround(grey), 0L, 255L));
   }
 }
@@ -78,7 +79,8 @@ double ImageSensor::MeanOf(const Radiance& light) const {
   double sum = 0.0;
   for (int y = 0; y < light.height; y += 2) {
     for (int x = 0; x < light.width; x += 2) {
-      sum += light.data[static_cast<std::size_t>(y) * static_cast<std::size_t>(light.width) + static_cast<std::size_t>(x)] *
+      sum += light.data[static_cast<std::size_t>(y) * static_cast<std::size_t>(light.width) +
+                        static_cast<std::size_t>(x)] *
              VignetteAt(x, y, light.width, light.height);
     }
   }
@@ -91,7 +93,8 @@ GrayImage ImageSensor::Expose(const Radiance& light, double gain, std::uint32_t 
   const double well = photometry_.full_well;
   for (int y = 0; y < light.height; ++y) {
     for (int x = 0; x < light.width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(light.width) + static_cast<std::size_t>(x);
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(light.width) + static_cast<std::size_t>(x);
       const double clean = std::min(gain * light.data[i] * VignetteAt(x, y, light.width, light.height), 4.0);
       // Shot noise has the variance of the number of electrons.
       const double sigma = std::sqrt(clean * well + photometry_.read_noise * photometry_.read_noise) / well;
@@ -142,9 +145,9 @@ std::vector<ImuRecord> SimulateImu(const Trajectory& trajectory, const ImuNoise&
 std::vector<PriorRecord> SimulateAttitude(const Trajectory& trajectory, double rate_hz, Timestamp t_start,
                                           std::uint32_t seed) {
   Random random(Hash(seed, 22));
-  constexpr double kSigma = 0.0087;       // rad, of roll and pitch
-  constexpr double kMemory_s = 8.0;       // for which an error lasts
-  constexpr double kYawWalk = 0.004;      // rad / sqrt(s)
+  constexpr double kSigma = 0.0087;   // rad, of roll and pitch
+  constexpr double kMemory_s = 8.0;   // for which an error lasts
+  constexpr double kYawWalk = 0.004;  // rad / sqrt(s)
   const double keep = std::exp(-1.0 / (rate_hz * kMemory_s));
   Eigen::Vector3d error = Gaussian3(random, kSigma);
   error.z() = 0.0;
@@ -166,9 +169,9 @@ std::vector<PriorRecord> SimulateAttitude(const Trajectory& trajectory, double r
 std::vector<PriorRecord> SimulateLegs(const Trajectory& trajectory, double rate_hz, Timestamp t_start,
                                       std::uint32_t seed) {
   Random random(Hash(seed, 23));
-  constexpr double kDrift = 0.03;            // of the way
-  constexpr double kTurnDrift = 0.03;        // of the turn
-  constexpr double kSlip_m = 0.003;          // at a strike
+  constexpr double kDrift = 0.03;      // of the way
+  constexpr double kTurnDrift = 0.03;  // of the turn
+  constexpr double kSlip_m = 0.003;    // at a strike
   constexpr double kSlip_rad = 0.003;
   const double scale = 1.0 + kDrift;
   std::vector<PriorRecord> records;
@@ -203,7 +206,8 @@ std::vector<PriorRecord> SimulateLegs(const Trajectory& trajectory, double rate_
       rotation_variance += std::pow(2.0 * kSlip_rad, 2);
     }
     T_odom_body.translation() += T_odom_body.linear() * way;
-    T_odom_body.linear() = (Eigen::Quaterniond(T_odom_body.linear()) * Small(rotation)).normalized().toRotationMatrix();
+    T_odom_body.linear() =
+        (Eigen::Quaterniond(T_odom_body.linear()) * Small(rotation)).normalized().toRotationMatrix();
     T_world_body = now;
     PriorRecord record;
     record.t = TimeOf(t_start, i, rate_hz);

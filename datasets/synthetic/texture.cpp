@@ -7,8 +7,8 @@
 
 #include "datasets/synthetic/hash.h"
 
-// Highway compiles this file once per instruction set. Only IEEE operations are used, so that all give the same
-// bits.
+// Highway compiles this file once per instruction set. Only IEEE operations are used, so that all give the
+// same bits.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "datasets/synthetic/texture.cpp"
@@ -70,11 +70,12 @@ inline Vf Noise(Vf x, Vf y, std::uint32_t seed) {
   const Vf sx = hn::Mul(hn::Mul(tx, tx), hn::Sub(Set(3.0F), hn::Add(tx, tx)));
   const Vf sy = hn::Mul(hn::Mul(ty, ty), hn::Sub(Set(3.0F), hn::Add(ty, ty)));
   const Vw x0 = hn::Mul(hn::BitCast(Words(), hn::ConvertTo(Ints(), x_floor)), hn::Set(Words(), kPrimeX));
-  const Vw y0 = hn::Xor(hn::Mul(hn::BitCast(Words(), hn::ConvertTo(Ints(), y_floor)), hn::Set(Words(), kPrimeY)),
-                        hn::Set(Words(), seed));
+  const Vw y0 =
+      hn::Xor(hn::Mul(hn::BitCast(Words(), hn::ConvertTo(Ints(), y_floor)), hn::Set(Words(), kPrimeY)),
+              hn::Set(Words(), seed));
   const Vw x1 = hn::Add(x0, hn::Set(Words(), kPrimeX));
-  const Vw y1 = hn::Xor(
-      hn::Add(hn::Xor(y0, hn::Set(Words(), seed)), hn::Set(Words(), kPrimeY)), hn::Set(Words(), seed));
+  const Vw y1 = hn::Xor(hn::Add(hn::Xor(y0, hn::Set(Words(), seed)), hn::Set(Words(), kPrimeY)),
+                        hn::Set(Words(), seed));
   const Vf v00 = UnitOf(HashCell(hn::Xor(x0, y0)));
   const Vf v10 = UnitOf(HashCell(hn::Xor(x1, y0)));
   const Vf v01 = UnitOf(HashCell(hn::Xor(x0, y1)));
@@ -153,7 +154,8 @@ inline Vf SquareWave(Vf x, Vf width) {
 
 Vf Concrete(const Point& p, std::uint32_t seed, float /*scale*/) {
   const Vf body = hn::Mul(Fractal(p, seed, 1.3F, 0.86F), Set(0.15F));
-  const Vf pits = hn::Sub(Noise(hn::Mul(p.u, Set(90.0F)), hn::Mul(p.v, Set(90.0F)), Hash(seed, 7)), Set(0.45F));
+  const Vf pits =
+      hn::Sub(Noise(hn::Mul(p.u, Set(90.0F)), hn::Mul(p.v, Set(90.0F)), Hash(seed, 7)), Set(0.45F));
   const Vf pit = hn::Mul(hn::Mul(hn::Max(pits, Set(0.0F)), Fade(90.0F, p.footprint)), Set(-0.9F));
   return hn::Add(body, pit);
 }
@@ -168,7 +170,8 @@ Vf Tiles(const Point& p, std::uint32_t seed, float scale) {
   const Vf grain = hn::Mul(Fractal(p, Hash(seed, 1), 2.1F, 0.84F), Set(0.13F));
   // Veins: the zero lines of a slow noise.
   const Vf n = Noise(hn::Mul(p.u, Set(5.3F)), hn::Mul(p.v, Set(5.3F)), Hash(seed, 2));
-  const Vf wobble = hn::Mul(Noise(hn::Mul(p.u, Set(31.0F)), hn::Mul(p.v, Set(31.0F)), Hash(seed, 3)), Set(0.25F));
+  const Vf wobble =
+      hn::Mul(Noise(hn::Mul(p.u, Set(31.0F)), hn::Mul(p.v, Set(31.0F)), Hash(seed, 3)), Set(0.25F));
   const Vf vein = hn::Max(hn::Sub(Set(0.08F), hn::Abs(hn::Add(n, wobble))), Set(0.0F));
   const Vf veins = hn::Mul(hn::Mul(vein, Set(2.2F)), Fade(60.0F, p.footprint));
   const Vf face = hn::Add(hn::Add(checker, tone), hn::Add(grain, veins));
@@ -206,7 +209,8 @@ Vf Brick(const Point& p, std::uint32_t seed, float scale) {
                           hn::Mul(hn::Min(fy, hn::Sub(Set(1.0F), fy)), Set(scale)));
   const Vf tone = hn::Mul(hn::Sub(CellValue(column, row, seed), Set(0.5F)), Set(0.5F));
   const Vf grain = hn::Mul(Fractal(p, Hash(seed, 1), 3.0F, 0.92F), Set(0.14F));
-  return hn::Add(Mix(Set(0.35F), hn::Sub(tone, Set(0.1F)), Beyond(hn::Sub(edge, Set(0.005F)), p.footprint)), grain);
+  return hn::Add(Mix(Set(0.35F), hn::Sub(tone, Set(0.1F)), Beyond(hn::Sub(edge, Set(0.005F)), p.footprint)),
+                 grain);
 }
 
 Vf Checker(const Point& p, std::uint32_t seed, float scale) {
@@ -227,9 +231,11 @@ Vf Posters(const Point& p, std::uint32_t seed, float scale) {
   const Vf letter_ink = CellValue(hn::Floor(hn::Mul(p.u, Set(1.0F / 0.007F))), word.index_v, Hash(seed, 2));
   const Vf line = hn::Sub(hn::Mul(p.v, Set(1.0F / 0.04F)), word.index_v);
   const Vf in_line = hn::Sub(Set(0.3F), hn::Abs(hn::Sub(line, Set(0.5F))));
-  const Vf dark = hn::IfThenElse(hn::Gt(ink, Set(0.3F)), hn::IfThenElse(hn::Gt(letter_ink, Set(0.35F)), Set(-1.1F), Set(0.0F)),
-                                 Set(0.0F));
-  const Vf text = hn::Mul(hn::Mul(dark, Beyond(hn::Mul(in_line, Set(0.04F)), p.footprint)), Fade(90.0F, p.footprint));
+  const Vf dark =
+      hn::IfThenElse(hn::Gt(ink, Set(0.3F)),
+                     hn::IfThenElse(hn::Gt(letter_ink, Set(0.35F)), Set(-1.1F), Set(0.0F)), Set(0.0F));
+  const Vf text =
+      hn::Mul(hn::Mul(dark, Beyond(hn::Mul(in_line, Set(0.04F)), p.footprint)), Fade(90.0F, p.footprint));
   const Vf paper = hn::Add(hn::Sub(hn::Mul(pick, Set(1.6F)), Set(0.35F)), text);
   const Vf plain = hn::Mul(Fractal(p, Hash(seed, 3), 1.7F, 0.9F), Set(0.035F));
   const Vf margin = hn::Mul(hn::Sub(cell.edge, Set(0.18F)), Set(scale));
@@ -242,8 +248,8 @@ Vf Grating(const Point& p, std::uint32_t seed, float scale) {
   return hn::Add(hn::Mul(bars, Set(0.6F)), hn::Mul(Fractal(p, seed, 3.0F, 0.9F), Set(0.03F)));
 }
 
-void Evaluate(const Material& material, std::uint32_t seed, const float* u, const float* v, const float* footprint,
-              int n, float* albedo) {
+void Evaluate(const Material& material, std::uint32_t seed, const float* u, const float* v,
+              const float* footprint, int n, float* albedo) {
   const Floats d;
   const float scale = static_cast<float>(material.scale_m);
   const Vf mean = Set(static_cast<float>(material.albedo));
@@ -253,15 +259,33 @@ void Evaluate(const Material& material, std::uint32_t seed, const float* u, cons
     const Point p{hn::LoadU(d, u + i), hn::LoadU(d, v + i), hn::LoadU(d, footprint + i), min_footprint};
     Vf tone = Set(0.0F);
     switch (material.pattern) {
-      case Pattern::kPlain: tone = hn::Mul(Fractal(p, seed, 1.7F, 0.9F), Set(0.03F)); break;
-      case Pattern::kNoise: tone = hn::Mul(Fractal(p, seed, 2.5F, 0.95F), Set(0.32F)); break;
-      case Pattern::kConcrete: tone = Concrete(p, seed, scale); break;
-      case Pattern::kTiles: tone = Tiles(p, seed, scale); break;
-      case Pattern::kWood: tone = Wood(p, seed, scale); break;
-      case Pattern::kBrick: tone = Brick(p, seed, scale); break;
-      case Pattern::kChecker: tone = Checker(p, seed, scale); break;
-      case Pattern::kPosters: tone = Posters(p, seed, scale); break;
-      case Pattern::kGrating: tone = Grating(p, seed, scale); break;
+      case Pattern::kPlain:
+        tone = hn::Mul(Fractal(p, seed, 1.7F, 0.9F), Set(0.03F));
+        break;
+      case Pattern::kNoise:
+        tone = hn::Mul(Fractal(p, seed, 2.5F, 0.95F), Set(0.32F));
+        break;
+      case Pattern::kConcrete:
+        tone = Concrete(p, seed, scale);
+        break;
+      case Pattern::kTiles:
+        tone = Tiles(p, seed, scale);
+        break;
+      case Pattern::kWood:
+        tone = Wood(p, seed, scale);
+        break;
+      case Pattern::kBrick:
+        tone = Brick(p, seed, scale);
+        break;
+      case Pattern::kChecker:
+        tone = Checker(p, seed, scale);
+        break;
+      case Pattern::kPosters:
+        tone = Posters(p, seed, scale);
+        break;
+      case Pattern::kGrating:
+        tone = Grating(p, seed, scale);
+        break;
     }
     const Vf value = hn::Mul(mean, hn::Add(Set(1.0F), hn::Mul(tone, contrast)));
     hn::StoreU(hn::Min(hn::Max(value, Set(0.015F)), Set(0.95F)), d, albedo + i);

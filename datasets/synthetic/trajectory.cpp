@@ -134,8 +134,12 @@ void Smooth(std::vector<double>& values, double reach_s) {
 
 }  // namespace
 
-Trajectory::Trajectory(std::vector<Vector6d> controls, double step_s, double duration_s, std::vector<double> strikes_s)
-    : controls_(std::move(controls)), step_s_(step_s), duration_s_(duration_s), strikes_s_(std::move(strikes_s)) {
+Trajectory::Trajectory(std::vector<Vector6d> controls, double step_s, double duration_s,
+                       std::vector<double> strikes_s)
+    : controls_(std::move(controls)),
+      step_s_(step_s),
+      duration_s_(duration_s),
+      strikes_s_(std::move(strikes_s)) {
   TERRACE_CHECK(controls_.size() >= 4, controls_.size());
 }
 
@@ -152,17 +156,17 @@ BodyState Trajectory::At(double t_s) const {
   const Vector6d value = (g * g * g * p0 + (3 * f * f * f - 6 * f * f + 4) * p1 +
                           (-3 * f * f * f + 3 * f * f + 3 * f + 1) * p2 + f * f * f * p3) /
                          6.0;
-  const Vector6d rate = (-g * g * p0 + (3 * f * f - 4 * f) * p1 + (-3 * f * f + 2 * f + 1) * p2 + f * f * p3) /
-                        (2.0 * step_s_);
+  const Vector6d rate =
+      (-g * g * p0 + (3 * f * f - 4 * f) * p1 + (-3 * f * f + 2 * f + 1) * p2 + f * f * p3) / (2.0 * step_s_);
   const Vector6d second = (g * p0 + (3 * f - 2) * p1 + (-3 * f + 1) * p2 + f * p3) / (step_s_ * step_s_);
   BodyState state;
   const double roll = value[3];
   const double pitch = value[4];
   state.T_world_body.translation() = value.head<3>();
-  state.T_world_body.linear() = (Eigen::AngleAxisd(value[5], Eigen::Vector3d::UnitZ()) *
-                                 Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
-                                 Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
-                                    .toRotationMatrix();
+  state.T_world_body.linear() =
+      (Eigen::AngleAxisd(value[5], Eigen::Vector3d::UnitZ()) *
+       Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
   state.v_world = rate.head<3>();
   state.a_world = second.head<3>();
   // Turn rate in body axes from the rates of the angles of Rz(yaw) Ry(pitch) Rx(roll).
@@ -176,15 +180,22 @@ Trajectory PlanMotion(const MotionPlan& plan, const Mounting& mounting, const Gr
                       std::uint32_t seed) {
   TERRACE_CHECK(!plan.path.empty());
   const bool walks = plan.kind == MotionKind::kWalk && plan.path.size() > 1;
-  const SmoothPath path(plan.path.size() > 1 ? plan.path : std::vector<Eigen::Vector2d>(2, plan.path.front()));
+  const SmoothPath path(plan.path.size() > 1 ? plan.path
+                                             : std::vector<Eigen::Vector2d>(2, plan.path.front()));
   const SpeedProfile profile{plan.hold_start_s, plan.speed_mps, std::max(path.length(), 1e-6)};
   const double heading0 = plan.path.size() > 1 ? path.HeadingAt(0.0) : plan.heading_rad;
   double duration = plan.duration_s;
   if (duration <= 0.0) {
     switch (plan.kind) {
-      case MotionKind::kWalk: duration = profile.done_s() + plan.hold_end_s; break;
-      case MotionKind::kStand: duration = 60.0; break;
-      case MotionKind::kCreep: duration = 20.0; break;
+      case MotionKind::kWalk:
+        duration = profile.done_s() + plan.hold_end_s;
+        break;
+      case MotionKind::kStand:
+        duration = 60.0;
+        break;
+      case MotionKind::kCreep:
+        duration = 20.0;
+        break;
       case MotionKind::kTurnOnSpot:
         duration = plan.hold_start_s + 2.0 * kPi / plan.turn_radps + kAccelerate_s + plan.hold_end_s;
         break;
@@ -296,13 +307,15 @@ Trajectory PlanMotion(const MotionPlan& plan, const Mounting& mounting, const Gr
     const double gaze = plan.gaze_rad * here.activity * (walks ? 1.0 : 0.0);
     const Eigen::Vector2d ahead(std::cos(here.yaw), std::sin(here.yaw));
     const Eigen::Vector2d left(-ahead.y(), ahead.x());
-    const Eigen::Vector2d at = here.at + activity * kSurge_m * std::sin(step) * ahead +
-                               (activity * kSway_m * std::sin(stride + 0.5) + kTremble_m * std::sin(2.1 * t)) * left;
+    const Eigen::Vector2d at =
+        here.at + activity * kSurge_m * std::sin(step) * ahead +
+        (activity * kSway_m * std::sin(stride + 0.5) + kTremble_m * std::sin(2.1 * t)) * left;
     Vector6d control;
     control << at.x(), at.y(),
         height[static_cast<std::size_t>(i)] + mounting.body_height_m + lift + kTremble_m * std::sin(3.7 * t),
         roll + kFollowSlope * std::atan(tilt[static_cast<std::size_t>(i)]) + kTremble_rad * std::sin(2.9 * t),
-        pitch - kFollowSlope * std::atan(slope[static_cast<std::size_t>(i)]) + kTremble_rad * std::sin(1.7 * t),
+        pitch - kFollowSlope * std::atan(slope[static_cast<std::size_t>(i)]) +
+            kTremble_rad * std::sin(1.7 * t),
         here.yaw + activity * kYaw_rad * std::sin(stride) + gaze * std::sin(2.0 * kPi * 0.21 * t);
     controls.push_back(control);
   }

@@ -19,8 +19,8 @@ struct BodyState {
   Eigen::Vector3d omega_body = Eigen::Vector3d::Zero();  ///< rad/s
 };
 
-/// How the body moves: uniform cubic B-splines of x, y, z, roll, pitch and yaw. Velocity, acceleration and turn
-/// rate are their exact derivatives, so that an IMU and the poses never disagree.
+/// How the body moves: uniform cubic B-splines of x, y, z, roll, pitch and yaw. Velocity, acceleration and
+/// turn rate are their exact derivatives, so that an IMU and the poses never disagree.
 class Trajectory {
  public:
   /// @param controls  x y z [m], roll pitch yaw [rad] every `step_s`; the first belongs to -step_s
@@ -42,8 +42,9 @@ class Trajectory {
 /// Height of the ground below a point, or NaN: where feet would stand.
 using GroundHeight = std::function<double(const Eigen::Vector3d& from)>;
 
-/// Moves a six-legged robot as the plan says: two tripods of legs in turn, so that the body bounces and pitches
-/// with every step and rolls with every second, jolts where feet hit, and rises with the ground under the feet.
+/// Moves a six-legged robot as the plan says: two tripods of legs in turn, so that the body bounces and
+/// pitches with every step and rolls with every second, jolts where feet hit, and rises with the ground under
+/// the feet.
 Trajectory PlanMotion(const MotionPlan& plan, const Mounting& mounting, const GroundHeight& ground,
                       std::uint32_t seed);
 

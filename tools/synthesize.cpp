@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "datasets/synthetic/scene_file.h"
+#include "datasets/synthetic/synthesis.h"
+#include "tools/commands.h"
+
+namespace terrace {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string scene;
+  std::string out;
+  std::string motion;
+  synthetic::SynthesisConfig config;
+  bool overwrite = false;
+};
+
+/// Makes the folder ready: absent or empty, or rid of what an earlier run left.
+void PrepareFolder(const fs::path& out, bool overwrite) {
+  if (fs::exists(out) && !fs::is_directory(out)) throw UsageError(out.string() + " is not a folder");
+  if (fs::exists(out) && !fs::is_empty(out)) {
+    if (!overwrite) throw UsageError(out.string() + " is not empty; --overwrite replaces what is there");
+    for (const char* name : {"mav0", "depth", "labels", "README.md", "calibration.yaml",
+                             "groundtruth_tum.txt", "ground_truth.json", "observed_cells.npz"}) {
+      fs::remove_all(out / name);
+    }
+  }
+  fs::create_directories(out);
+}
+
+void ShowProgress(int done, int of) {
+  if (isatty(STDERR_FILENO) != 0) {
+    std::fprintf(stderr, "\rsynthesize: frame %d of %d%s", done, of, done == of ? "\n" : "");
+  } else if (done == of || done % 50 == 0) {
+    std::fprintf(stderr, "synthesize: frame %d of %d\n", done, of);
+  }
+}
+
+void Run(const Options& options) {
+  synthetic::Scene scene;
+  try {
+    scene = synthetic::LoadScene(synthetic::FindScene(options.scene));
+  } catch (const synthetic::SceneError& error) {
+    throw UsageError(error.what());
+  }
+  if (!options.motion.empty()) {
+    scene.motion.kind = *synthetic::MotionKindFromName(options.motion);
+    scene.motion.duration_s = 0.0;  // that of the scene belongs to its own motion
+  }
+  std::string problems;
+  for (const std::string& problem : options.config.Problems())
+    problems += (problems.empty() ? "" : "\n") + problem;
+  if (!problems.empty()) throw UsageError(problems);
+  PrepareFolder(options.out, options.overwrite);
+  const synthetic::SynthesisSummary summary =
+      synthetic::Synthesize(scene, options.config, options.out, ShowProgress);
+  std::printf(
+      "%s: %d stereo frames over %.2f m in %.1f s (light %.1f s, images %.1f pairs/s, %.1f million rays/s)\n",
+      options.out.c_str(), summary.num_frames, summary.path_length_m, summary.total_s, summary.bake_s,
+      summary.num_frames / summary.render_s, static_cast<double>(summary.num_rays) / summary.render_s * 1e-6);
+}
+
+}  // namespace
+
+void AddSynthesizeCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "synthesize", "Render a stereo sequence of a known world, with exact truth, as an EuRoC folder");
+  auto options = std::make_shared<Options>();
+  synthetic::SynthesisConfig& config = options->config;
+  command->add_option("SCENE", options->scene, "name of a shipped scene, or a YAML file")->required();
+  command->add_option("OUT", options->out, "folder to write")->required();
+  command->add_option("--seed", config.seed, "of noise, gait and sensors")->capture_default_str();
+  command->add_option("--frames", config.max_frames, "at most so many; 0: as long as the motion lasts");
+  command->add_option("--rate", config.rate_hz, "stereo frames a second; 0: the scene's");
+  command->add_option("--motion", options->motion, "instead of the scene's")
+      ->check(CLI::IsMember({"walk", "stand", "creep", "turn_on_spot"}));
+  command->add_option("--threads", config.renderer.num_threads,
+                      "0: all processors; the bytes do not depend on it");
+  command
+      ->add_option("--samples", config.renderer.samples_side,
+                   "samples a pixel are this squared: 1, 2, 4 or 8")
+      ->capture_default_str();
+  command
+      ->add_option("--truth-every", config.truth_every, "depth and labels of every so manyth frame; 0: none")
+      ->capture_default_str();
+  command->add_option("--gain", config.gain, "times the brightness; below 1: dark and noisy")
+      ->capture_default_str();
+  command->add_flag("--overwrite", options->overwrite, "replace the sequence that OUT holds");
+  command->callback([options] { Run(*options); });
+}
+
+}  // namespace terrace
