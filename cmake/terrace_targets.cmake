@@ -4,7 +4,7 @@
 add_library(terrace_options INTERFACE)
 add_library(terrace::options ALIAS terrace_options)
 # No fused multiply-add behind our back: the same input must give the same bits on every processor.
-target_compile_options(terrace_options INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wnon-virtual-dtor
+target_compile_options(terrace_options INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers
                                                  $<$<BOOL:${TERRACE_WERROR}>:-Werror>
                                                  $<$<BOOL:${TERRACE_NATIVE}>:-march=native>)
 if(TERRACE_SANITIZE)

@@ -14,12 +14,8 @@
 namespace terrace {
 namespace {
 
-const std::map<std::string, std::string>& Comments() {
-  static const std::map<std::string, std::string> comments = {
-#include "config_comments.inc"
-  };
-  return comments;
-}
+// VisitFields() of every config struct, written by config_fields.py from the headers.
+#include "config_fields.inc"
 
 const char* TypeName(bool) { return "true or false"; }
 const char* TypeName(int) { return "a whole number"; }
@@ -59,114 +55,18 @@ class Binding {
  public:
   explicit Binding(Config* config) {
     PipelineConfig& p = config->pipeline;
-#define TERRACE_KEY(field) Bind(#field, &settings.field)
-    {
-      FlowConfig& settings = Begin("pipeline", "FlowConfig", &p.flow);
-      TERRACE_KEY(feedback_lag_frames);
-    }
-    {
-      DisparityConfig& settings = Begin("stereo", "DisparityConfig", &p.stereo);
-      TERRACE_KEY(max_disparity_px);
-      TERRACE_KEY(max_left_right_error_px);
-    }
-    {
-      OdometryConfig& settings = Begin("odometry", "OdometryConfig", &p.odometry);
-      TERRACE_KEY(use_imu);
-      TERRACE_KEY(use_priors);
-      TERRACE_KEY(num_cells);
-      TERRACE_KEY(max_disparity_px);
-      TERRACE_KEY(window_keyframes);
-      TERRACE_KEY(keyframe_parallax);
-      TERRACE_KEY(keyframe_min_coverage);
-      TERRACE_KEY(min_inliers);
-      TERRACE_KEY(max_bridging_s);
-      TERRACE_KEY(max_vertical_disparity_px);
-    }
-    {
-      // One section for both: a user limits the range of the map, wherever that happens.
-      CloudConfig& settings = Begin("mapping", "CloudConfig", &p.cloud);
-      TERRACE_KEY(max_depth_sigma_m);
-      TERRACE_KEY(min_spacing_m);
-    }
-    {
-      MappingConfig& settings = Begin("mapping", "MappingConfig", &p.mapping);
-      TERRACE_KEY(leaf_size_m);
-      TERRACE_KEY(leaves_per_cell);
-      TERRACE_KEY(min_leaf_px);
-      TERRACE_KEY(min_points);
-      TERRACE_KEY(min_frames);
-      TERRACE_KEY(min_hit_share);
-      TERRACE_KEY(pose_sigma_m);
-      TERRACE_KEY(memory_frames);
-      TERRACE_KEY(free_margin_px);
-      TERRACE_KEY(free_frames);
-    }
-    {
-      ModellingConfig& settings = Begin("modelling", "ModellingConfig", &p.modelling);
-      TERRACE_KEY(inlier_distance_m);
-      TERRACE_KEY(max_inlier_distance_m);
-      TERRACE_KEY(max_rms_share);
-      TERRACE_KEY(min_patch_area_m2);
-      TERRACE_KEY(max_planes);
-      TERRACE_KEY(num_hypotheses);
-      TERRACE_KEY(num_pretest);
-    }
-    {
-      MergingConfig& settings = Begin("merging", "MergingConfig", &p.merging);
-      TERRACE_KEY(max_offset_m);
-      TERRACE_KEY(max_angle_deg);
-      TERRACE_KEY(max_gap_m);
-      TERRACE_KEY(min_width_m);
-      TERRACE_KEY(min_area_m2);
-      TERRACE_KEY(outline_resolution_m);
-      TERRACE_KEY(simplify_m);
-      TERRACE_KEY(min_change_m);
-    }
-    {
-      LabelingConfig& settings = Begin("labeling", "LabelingConfig", &p.labeling);
-      TERRACE_KEY(min_walkway_edge_m);
-      TERRACE_KEY(min_wall_height_m);
-      TERRACE_KEY(min_upright_deg);
-      TERRACE_KEY(max_joint_gap_m);
-      TERRACE_KEY(max_joint_height_m);
-      TERRACE_KEY(max_unseen_gap_m);
-      TERRACE_KEY(min_ramp_rise_m);
-      TERRACE_KEY(max_resolving_distance_m);
-      TERRACE_KEY(ground_search_m);
-      TERRACE_KEY(max_stance_distance_m);
-      TERRACE_KEY(min_decided_area_m2);
-      TERRACE_KEY(frames_to_change_label);
-      TERRACE_KEY(max_gravity_change_deg);
-    }
-    {
-      StaircaseConfig& settings = Begin("staircases", "StaircaseConfig", &p.staircases);
-      TERRACE_KEY(min_riser_m);
-      TERRACE_KEY(max_riser_m);
-      TERRACE_KEY(min_tread_m);
-      TERRACE_KEY(max_tread_m);
-      TERRACE_KEY(min_pitch_deg);
-      TERRACE_KEY(max_pitch_deg);
-      TERRACE_KEY(min_width_m);
-      TERRACE_KEY(height_tolerance_m);
-      TERRACE_KEY(edge_tolerance_m);
-      TERRACE_KEY(max_turn_deg);
-      TERRACE_KEY(max_tread_slope_deg);
-    }
-    {
-      RobotConfig& settings = Begin("robot", "RobotConfig", &p.robot);
-      TERRACE_KEY(body_height_m);
-      TERRACE_KEY(max_step_height_m);
-      TERRACE_KEY(max_step_reach_m);
-      TERRACE_KEY(foot_radius_m);
-      TERRACE_KEY(max_walkway_slope_deg);
-      TERRACE_KEY(max_ramp_slope_deg);
-      TERRACE_KEY(self_mask_png);
-    }
-    {
-      LiveConfig& settings = Begin("lcm", "LiveConfig", &config->live);
-      TERRACE_KEY(url);
-    }
-#undef TERRACE_KEY
+    Bind("pipeline", &p.flow);
+    Bind("stereo", &p.stereo);
+    Bind("odometry", &p.odometry);
+    // One section for both: a user limits the range of the map, wherever that happens.
+    Bind("mapping", &p.cloud);
+    Bind("mapping", &p.mapping);
+    Bind("modelling", &p.modelling);
+    Bind("merging", &p.merging);
+    Bind("labeling", &p.labeling);
+    Bind("staircases", &p.staircases);
+    Bind("robot", &p.robot);
+    Bind("lcm", &config->live);
   }
 
   const std::vector<Key>& keys() const { return keys_; }
@@ -196,34 +96,25 @@ class Binding {
 
  private:
   template <typename Settings>
-  Settings& Begin(const std::string& section, const std::string& struct_name, Settings* settings) {
-    section_ = section;
-    struct_name_ = struct_name;
+  void Bind(const std::string& section, Settings* settings) {
     checks_.emplace_back(section, [settings] { return settings->Problems(); });
-    return *settings;
+    VisitFields(*settings, [&](const char* name, auto& field, const char* comment) {
+      using T = std::decay_t<decltype(field)>;
+      keys_.push_back({section, name, comment, [&field] { return Print(field); },
+                       [&field](const YAML::Node& node) {
+                         T value{};
+                         if (!node.IsScalar() || !YAML::convert<T>::decode(node, value)) return false;
+                         // A number that is not one can only come from a mistake.
+                         if constexpr (std::is_same_v<T, double>) {
+                           if (!std::isfinite(value)) return false;
+                         }
+                         field = value;
+                         return true;
+                       },
+                       TypeName(field)});
+    });
   }
 
-  template <typename T>
-  void Bind(const std::string& name, T* field) {
-    const auto comment = Comments().find(struct_name_ + "::" + name);
-    keys_.push_back({section_, name, comment == Comments().end() ? "" : comment->second,
-                     [field] { return Print(*field); },
-                     [field](const YAML::Node& node) {
-                       if (!node.IsScalar()) return false;
-                       T value{};
-                       if (!YAML::convert<T>::decode(node, value)) return false;
-                       // A number that is not one can only come from a mistake.
-                       if constexpr (std::is_same_v<T, double>) {
-                         if (!std::isfinite(value)) return false;
-                       }
-                       *field = value;
-                       return true;
-                     },
-                     TypeName(*field)});
-  }
-
-  std::string section_;
-  std::string struct_name_;
   std::vector<Key> keys_;
   std::vector<std::pair<std::string, std::function<std::vector<std::string>()>>> checks_;
 };
@@ -366,16 +257,6 @@ std::string ConfigHash(const Config& config) {
   std::array<char, 17> text{};
   std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
   return text.data();
-}
-
-std::vector<std::string> UndocumentedKeys() {
-  Config config;
-  const Binding binding(&config);
-  std::vector<std::string> keys;
-  for (const Key& key : binding.keys()) {
-    if (key.comment.empty()) keys.push_back(key.section + "." + key.name);
-  }
-  return keys;
 }
 
 }  // namespace terrace

@@ -32,7 +32,4 @@ std::string PrintConfig(const Config& config);
 /// A short fingerprint of every value, for the status message.
 std::string ConfigHash(const Config& config);
 
-/// Keys `section.key` without a comment; empty when every key is documented.
-std::vector<std::string> UndocumentedKeys();
-
 }  // namespace terrace

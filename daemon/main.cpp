@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // terraced: the stereo terrain mapper. Live by default, `terraced replay` for recorded sequences.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
-
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include "daemon/config.h"
 #include "daemon/interrupt.h"
@@ -41,8 +41,9 @@ void AddCommonOptions(CLI::App* app, Arguments* arguments) {
 }
 
 int Run(int argc, char** argv) {
-  CLI::App app("terraced turns a legged robot's stereo camera into a labelled map of planar terrain.\n"
-               "Without a subcommand it runs live: LCM in, LCM out.");
+  CLI::App app(
+      "terraced turns a legged robot's stereo camera into a labelled map of planar terrain.\n"
+      "Without a subcommand it runs live: LCM in, LCM out.");
   app.set_version_flag("--version", std::string("terraced ") + kVersion);
   Arguments arguments;
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -52,17 +53,23 @@ int Run(int argc, char** argv) {
   app.add_flag("--print-config", arguments.print_config, "Prints the complete configuration file and ends");
   CLI::App* replay = app.add_subcommand("replay", "Plays a recorded sequence and writes the result files");
   AddCommonOptions(replay, &arguments);
-  replay->add_option("SEQUENCE", arguments.replay.sequence, "EuRoC ASL folder, KITTI odometry folder or LCM log")
+  replay
+      ->add_option("SEQUENCE", arguments.replay.sequence,
+                   "EuRoC ASL folder, KITTI odometry folder or LCM log")
       ->required();
   replay->add_option("--output", arguments.replay.output, "Folder for the result files")->required();
-  replay->add_flag("--overwrite", arguments.replay.overwrite, "Replace the results of an earlier run in that folder");
-  replay->add_option("--threads", arguments.replay.num_threads, "Threads that may be used; the map is the same")
+  replay->add_flag("--overwrite", arguments.replay.overwrite,
+                   "Replace the results of an earlier run in that folder");
+  replay
+      ->add_option("--threads", arguments.replay.num_threads, "Threads that may be used; the map is the same")
       ->check(CLI::Range(1, 256));
   replay->add_flag("--realtime", arguments.replay.realtime,
                    "Hand frames over at their recorded times; the newest wins, as live");
-  replay->add_option("--publish", arguments.replay.publish_url, "LCM provider URL to publish pose, terrain, status on");
-  replay->add_option("--save-disparity", arguments.replay.save_disparity_every,
-                     "Write the disparity of frames 0, N, 2N, ...")
+  replay->add_option("--publish", arguments.replay.publish_url,
+                     "LCM provider URL to publish pose, terrain, status on");
+  replay
+      ->add_option("--save-disparity", arguments.replay.save_disparity_every,
+                   "Write the disparity of frames 0, N, 2N, ...")
       ->check(CLI::Range(1, 1'000'000));
 
   try {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/progress.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
+
+#include <unistd.h>
 
 namespace terrace {
 
@@ -28,8 +28,8 @@ void Progress::Update(std::int64_t num_done, const std::string& note) {
     last_drawn_ = now;
     drawn_ = true;
     const std::string bar = std::string(static_cast<std::size_t>(tenth) * 3, '#');
-    std::fprintf(stderr, "\r[%-30s] %lld/%lld  %.1f frames/s  %-40.40s", bar.c_str(), static_cast<long long>(num_done),
-                 static_cast<long long>(num_total_), rate_hz, note.c_str());
+    std::fprintf(stderr, "\r[%-30s] %lld/%lld  %.1f frames/s  %-40.40s", bar.c_str(),
+                 static_cast<long long>(num_done), static_cast<long long>(num_total_), rate_hz, note.c_str());
   } else if (tenth > last_tenth_) {
     last_tenth_ = tenth;
     std::fprintf(stderr, "%lld of %lld frames, %.1f frames/s, %s\n", static_cast<long long>(num_done),

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/replay.h"
 
-#include <spdlog/spdlog.h>
-#include <tbb/global_control.h>
-
 #include <chrono>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
+
+#include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
 
 #include "daemon/interrupt.h"
 #include "daemon/pipeline.h"
@@ -67,7 +67,8 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   Pipeline pipeline(config.pipeline, info.calibration,
                     LoadSelfMask(config.pipeline.robot.self_mask_png, info.calibration));
   PrepareOutputFolder(options.output, options.overwrite);
-  ResultWriter writer(options.output, pipeline, options.save_disparity_every);
+  ResultWriter writer(options.output, {pipeline.camera(), pipeline.R_rect_raw(), pipeline.T_body_left()},
+                      options.save_disparity_every);
   RunSummary summary(info);
   Progress progress(info.num_frames);
   HandoverTimes handovers;

@@ -21,9 +21,9 @@ struct ReplayOptions {
   int num_threads = 2;
 };
 
-/// Plays a recorded sequence through the whole mapper, writes the result files and prints a summary. An interrupt or a
-/// truncated sequence ends it early with the results of what was read.
-/// Throws SequenceError, OutputError, or what a stage throws.
+/// Plays a recorded sequence through the whole mapper, writes the result files and prints a summary. An
+/// interrupt or a truncated sequence ends it early with the results of what was read. Throws SequenceError,
+/// OutputError, or what a stage throws.
 void RunReplay(const ReplayOptions& options, const Config& config);
 
 }  // namespace terrace

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/result_writer.h"
 
-#include <openssl/evp.h>
-#include <sys/resource.h>
-
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numbers>
+
+#include <nlohmann/json.hpp>
+#include <openssl/evp.h>
+#include <sys/resource.h>
 
 #include "core/check.h"
 #include "datasets/image_file.h"
@@ -106,7 +106,9 @@ double PeakRssMib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-Json LatencyJson(const Quantiles& q) { return {{"p50", q.p50}, {"p90", q.p90}, {"p99", q.p99}, {"max", q.max}}; }
+Json LatencyJson(const Quantiles& q) {
+  return {{"p50", q.p50}, {"p90", q.p90}, {"p99", q.p99}, {"max", q.max}};
+}
 
 }  // namespace
 
@@ -127,12 +129,12 @@ std::string TerrainMapJson(const TerrainMap& map) {
   for (const auto& region : map.regions) regions.push_back(RegionJson(*region));
   Json staircases = Json::array();
   for (const Staircase& staircase : map.staircases) staircases.push_back(StaircaseJson(staircase));
-  const Json json = {{"format", "terrace-map"},         {"version", 1},         {"t_capture_ns", map.t_capture.ns},
-                     {"frame", "world"},                {"regions", regions},   {"staircases", staircases}};
+  const Json json = {{"format", "terrace-map"}, {"version", 1},       {"t_capture_ns", map.t_capture.ns},
+                     {"frame", "world"},        {"regions", regions}, {"staircases", staircases}};
   return json.dump() + "\n";
 }
 
-ResultWriter::ResultWriter(const fs::path& dir, const Pipeline& pipeline, int save_disparity_every)
+ResultWriter::ResultWriter(const fs::path& dir, const RigDescription& rig, int save_disparity_every)
     : dir_(dir),
       save_disparity_every_(save_disparity_every),
       trajectory_(Open(dir / "trajectory.tum")),
@@ -141,11 +143,11 @@ ResultWriter::ResultWriter(const fs::path& dir, const Pipeline& pipeline, int sa
       map_(std::make_shared<const TerrainMap>()) {
   if (save_disparity_every_ > 0) fs::create_directories(dir_ / "disparity");
   trajectory_ << "# timestamp tx ty tz qx qy qz qw of T_world_left\n";
-  WriteCamera(pipeline);
+  WriteCamera(rig);
 }
 
-void ResultWriter::WriteCamera(const Pipeline& pipeline) const {
-  const StereoCamera& camera = pipeline.camera();
+void ResultWriter::WriteCamera(const RigDescription& rig) const {
+  const StereoCamera& camera = rig.camera;
   const auto row_major = [](const auto& matrix) {
     Json numbers = Json::array();
     for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
@@ -153,7 +155,6 @@ void ResultWriter::WriteCamera(const Pipeline& pipeline) const {
     }
     return numbers;
   };
-  const auto& T_body_left = pipeline.T_body_left();
   const Json json = {{"width", camera.width},
                      {"height", camera.height},
                      {"fx", camera.fx},
@@ -161,8 +162,8 @@ void ResultWriter::WriteCamera(const Pipeline& pipeline) const {
                      {"cx", camera.cx},
                      {"cy", camera.cy},
                      {"baseline_m", camera.baseline_m},
-                     {"R_rect_raw", row_major(pipeline.R_rect_raw())},
-                     {"T_body_left", T_body_left ? row_major(T_body_left->matrix()) : Json(nullptr)}};
+                     {"R_rect_raw", row_major(rig.R_rect_raw)},
+                     {"T_body_left", rig.T_body_left ? row_major(rig.T_body_left->matrix()) : Json(nullptr)}};
   Write(dir_ / "camera.json", json.dump(1) + "\n");
 }
 
@@ -175,8 +176,8 @@ void ResultWriter::AddFrame(const FrameResult& result, std::optional<double> lat
     std::array<char, 256> line{};
     std::snprintf(line.data(), line.size(), "%lld.%09lld %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
                   static_cast<long long>(pose.t_capture.ns / 1'000'000'000),
-                  static_cast<long long>(pose.t_capture.ns % 1'000'000'000), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
-                  q.w());
+                  static_cast<long long>(pose.t_capture.ns % 1'000'000'000), t.x(), t.y(), t.z(), q.x(),
+                  q.y(), q.z(), q.w());
     trajectory_ << line.data();
   }
   Json covariance = nullptr;
@@ -225,7 +226,8 @@ void ResultWriter::WriteDisparity(const DisparityImage& disparity) const {
     for (int col = 0; col < px.cols; ++col, ++i) {
       const float value = px(row, col);
       // 0 is the unknown, so that the smallest known disparity is 1/256.
-      if (std::isfinite(value)) image.data[i] = static_cast<std::uint16_t>(std::clamp(std::lround(value * 256.0F), 1L, 65535L));
+      if (std::isfinite(value))
+        image.data[i] = static_cast<std::uint16_t>(std::clamp(std::lround(value * 256.0F), 1L, 65535L));
     }
   }
   WritePng(dir_ / "disparity" / (std::to_string(disparity.t_capture.ns) + ".png"), image);
@@ -236,9 +238,9 @@ void ResultWriter::Finish(const RunTotals& totals) {
   Write(dir_ / "terrain_map.json", map_json);
   Json stages = Json::object();
   for (const StageCost& cost : totals.stages) {
-    stages[cost.name] = {{"count", cost.count},           {"cpu_ms_mean", cost.cpu_ms_mean},
-                         {"p50_ms", cost.wall_ms.p50},    {"p90_ms", cost.wall_ms.p90},
-                         {"p99_ms", cost.wall_ms.p99},    {"max_ms", cost.wall_ms.max}};
+    stages[cost.name] = {{"count", cost.count},        {"cpu_ms_mean", cost.cpu_ms_mean},
+                         {"p50_ms", cost.wall_ms.p50}, {"p90_ms", cost.wall_ms.p90},
+                         {"p99_ms", cost.wall_ms.p99}, {"max_ms", cost.wall_ms.max}};
   }
   const Gravity& gravity = totals.gravity;
   const Json stats = {
@@ -253,7 +255,8 @@ void ResultWriter::Finish(const RunTotals& totals) {
       {"gravity_world", Exact(gravity.down_world)},
       {"gravity_sigma_deg", gravity.sigma_rad * 180.0 / std::numbers::pi},
       {"gravity_source", Name(gravity.source)},
-      {"latency_ms", totals.realtime && latency_ms_.count() > 0 ? LatencyJson(latency_ms_.quantiles()) : Json(nullptr)},
+      {"latency_ms",
+       totals.realtime && latency_ms_.count() > 0 ? LatencyJson(latency_ms_.quantiles()) : Json(nullptr)},
       {"stages", stages}};
   Write(dir_ / "stats.json", stats.dump(1) + "\n");
   for (std::ofstream* file : {&trajectory_, &frames_, &staircases_}) {

@@ -19,12 +19,19 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Makes `dir` ready to be written into: it must be empty or absent unless `overwrite`, which removes the results of an
-/// earlier run (and nothing else). Throws OutputError.
+/// Makes `dir` ready to be written into: it must be empty or absent unless `overwrite`, which removes the
+/// results of an earlier run (and nothing else). Throws OutputError.
 void PrepareOutputFolder(const std::filesystem::path& dir, bool overwrite);
 
 /// The map as the text of terrain_map.json: a function of the map alone.
 std::string TerrainMapJson(const TerrainMap& map);
+
+/// The rectified pair and how it sits on the robot: what camera.json holds.
+struct RigDescription {
+  StereoCamera camera;
+  Eigen::Matrix3d R_rect_raw = Eigen::Matrix3d::Identity();  ///< p_left = R_rect_raw * p_rawleft
+  std::optional<Eigen::Isometry3d> T_body_left;
+};
 
 /// What only the end of a run knows.
 struct RunTotals {
@@ -35,12 +42,12 @@ struct RunTotals {
   std::vector<StageCost> stages;
 };
 
-/// Writes the result files of DESIGN.md into a folder: lines as frames come, the rest at the end. Throws OutputError
-/// when the disk refuses.
+/// Writes the result files of DESIGN.md into a folder: lines as frames come, the rest at the end. Throws
+/// OutputError when the disk refuses.
 class ResultWriter {
  public:
   /// @param save_disparity_every  0: none, N: frames 0, N, 2N, ...
-  ResultWriter(const std::filesystem::path& dir, const Pipeline& pipeline, int save_disparity_every);
+  ResultWriter(const std::filesystem::path& dir, const RigDescription& rig, int save_disparity_every);
 
   /// @param latency_ms  none unless frames came at their recorded times
   void AddFrame(const FrameResult& result, std::optional<double> latency_ms);
@@ -53,7 +60,7 @@ class ResultWriter {
   const TerrainMapPtr& map() const { return map_; }
 
  private:
-  void WriteCamera(const Pipeline& pipeline) const;
+  void WriteCamera(const RigDescription& rig) const;
   void WriteDisparity(const DisparityImage& disparity) const;
   void AddStaircases(const TerrainMap& map);
 

@@ -16,8 +16,8 @@ cv::Mat1b LoadSelfMask(const std::string& png, const StereoCalibration& calibrat
   }
   if (image.width != calibration.width || image.height != calibration.height) {
     throw ConfigError("robot.self_mask_png = " + png + " is " + std::to_string(image.width) + "x" +
-                      std::to_string(image.height) + ", the camera's images are " + std::to_string(calibration.width) +
-                      "x" + std::to_string(calibration.height));
+                      std::to_string(image.height) + ", the camera's images are " +
+                      std::to_string(calibration.width) + "x" + std::to_string(calibration.height));
   }
   cv::Mat1b mask(image.height, image.width);
   std::copy(image.data.begin(), image.data.end(), mask.begin());

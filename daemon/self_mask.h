@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <opencv2/core/mat.hpp>
 #include <string>
+
+#include <opencv2/core/mat.hpp>
 
 #include "core/camera.h"
 

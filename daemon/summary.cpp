@@ -20,13 +20,14 @@ void PrintMap(const TerrainMap& map) {
   std::printf("map          %zu polygons\n", map.regions.size());
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (counts[i] == 0) continue;
-    std::printf("             %-12s %4d, %7.2f m2\n", Name(static_cast<TerrainLabel>(i)), counts[i], areas_m2[i]);
+    std::printf("             %-12s %4d, %7.2f m2\n", Name(static_cast<TerrainLabel>(i)), counts[i],
+                areas_m2[i]);
   }
   std::printf("staircases   %zu\n", map.staircases.size());
   for (const Staircase& staircase : map.staircases) {
     std::printf("             %lld: %d risers of %.3f m, treads of %.3f m, %.2f m wide, confidence %.2f\n",
-                static_cast<long long>(staircase.id), staircase.num_risers, staircase.riser_m, staircase.tread_m,
-                staircase.width_m, staircase.confidence);
+                static_cast<long long>(staircase.id), staircase.num_risers, staircase.riser_m,
+                staircase.tread_m, staircase.width_m, staircase.confidence);
   }
 }
 
@@ -37,12 +38,14 @@ void RunSummary::AddFrame(const FrameResult& result) {
   if (pose.status != last_status_ && troubles_.size() < kMaxTroubles) {
     std::array<char, 64> time{};
     std::snprintf(time.data(), time.size(), "%.3f s: ", Seconds(pose.t_capture - info_.t_first));
-    troubles_.push_back(time.data() + std::string(Name(pose.status)) + (pose.reason.empty() ? "" : ", " + pose.reason));
+    troubles_.push_back(time.data() + std::string(Name(pose.status)) +
+                        (pose.reason.empty() ? "" : ", " + pose.reason));
   }
   last_status_ = pose.status;
 }
 
-void RunSummary::Print(const ResultWriter& writer, const RunTotals& totals, const std::filesystem::path& output) const {
+void RunSummary::Print(const ResultWriter& writer, const RunTotals& totals,
+                       const std::filesystem::path& output) const {
   std::printf("sequence     %s (%s)\n", info_.path.string().c_str(), Name(info_.kind));
   std::printf("frames       %lld: %lld tracking, %lld bridging, %lld lost; %lld dropped\n",
               static_cast<long long>(writer.num_frames()), static_cast<long long>(writer.num_tracking()),
@@ -53,8 +56,8 @@ void RunSummary::Print(const ResultWriter& writer, const RunTotals& totals, cons
               totals.wall_s > 0 ? static_cast<double>(writer.num_frames()) / totals.wall_s : 0.0);
   for (const StageCost& stage : totals.stages) {
     if (stage.count == 0) continue;
-    std::printf("             %-14s %7.2f ms CPU, %7.2f ms p50, %7.2f ms p99\n", stage.name.c_str(), stage.cpu_ms_mean,
-                stage.wall_ms.p50, stage.wall_ms.p99);
+    std::printf("             %-14s %7.2f ms CPU, %7.2f ms p50, %7.2f ms p99\n", stage.name.c_str(),
+                stage.cpu_ms_mean, stage.wall_ms.p50, stage.wall_ms.p99);
   }
   PrintMap(*writer.map());
   std::printf("results      %s\n", output.string().c_str());

@@ -10,8 +10,8 @@
 
 namespace terrace {
 
-/// What a person wants to know after a replay, on standard output: frames and how they were tracked, drift when there is
-/// truth, what the map holds, speed, and where the results lie.
+/// What a person wants to know after a replay, on standard output: frames and how they were tracked, drift
+/// when there is truth, what the map holds, speed, and where the results lie.
 class RunSummary {
  public:
   explicit RunSummary(const SequenceInfo& info) : info_(info) {}

@@ -45,7 +45,7 @@ void MarkKept(const PlanRing& ring, std::size_t first, std::size_t last, double 
 
 }  // namespace
 
-PlanRing Simplify(const PlanRing& ring, double tolerance_m) {
+PlanRing SimplifyPlan(const PlanRing& ring, double tolerance_m) {
   const std::size_t n = ring.size();
   if (n <= 4) return ring;
   // The vertex farthest from the first one starts a second chain.

@@ -13,7 +13,7 @@ using PlanRing = std::vector<Eigen::Vector2d>;
 
 /// The ring with vertices left out that lie closer than `tolerance_m` to what remains (Douglas and Peucker).
 /// At least three vertices remain.
-PlanRing Simplify(const PlanRing& ring, double tolerance_m);
+PlanRing SimplifyPlan(const PlanRing& ring, double tolerance_m);
 
 /// True inside the ring, by the number of crossings to the right.
 bool Contains(const PlanRing& ring, const Eigen::Vector2d& p);

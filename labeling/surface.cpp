@@ -112,7 +112,7 @@ SurfacePtr MakeSurface(const PolygonPtr& polygon, const Eigen::Matrix3d& R_level
   surface->lean = LeanOf(surface->slope_rad, limits);
   for (const Eigen::Vector3d& p : polygon->outline_world) surface->bounds.extend(R_level_world * p);
 
-  surface->plan.push_back(Simplify(PlanOf(polygon->outline_world, R_level_world), kSimplifyTolerance));
+  surface->plan.push_back(SimplifyPlan(PlanOf(polygon->outline_world, R_level_world), kSimplifyTolerance));
   surface->rectangle = SmallestRectangle(surface->plan.front());
   if (surface->lean == Lean::kUpright) {
     surface->face_axis = Eigen::Vector2d(-surface->plane.normal.y(), surface->plane.normal.x()).normalized();
@@ -121,7 +121,7 @@ SurfacePtr MakeSurface(const PolygonPtr& polygon, const Eigen::Matrix3d& R_level
   }
   if (surface->lean == Lean::kSupport) {
     for (const Ring& hole : polygon->holes_world)
-      surface->plan.push_back(Simplify(PlanOf(hole, R_level_world), kSimplifyTolerance));
+      surface->plan.push_back(SimplifyPlan(PlanOf(hole, R_level_world), kSimplifyTolerance));
     surface->largest_square_m = LargestSquare(surface->plan, surface->rectangle, limits.enough_square_m);
   }
   return surface;

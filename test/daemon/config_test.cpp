@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config.h"
+
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace terrace {
+namespace {
+
+using testing::HasSubstr;
+
+namespace fs = std::filesystem;
+
+class ConfigTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    dir_ = fs::path(testing::TempDir()) /
+           ("terrace_config_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::create_directories(dir_);
+  }
+  void TearDown() override { fs::remove_all(dir_); }
+
+  fs::path File(const std::string& text) const {
+    const fs::path path = dir_ / "robot.yaml";
+    std::ofstream(path) << text;
+    return path;
+  }
+
+  static std::string ErrorOf(const std::optional<fs::path>& file, const std::vector<std::string>& settings) {
+    try {
+      LoadConfig(file, settings);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path dir_;
+};
+
+TEST_F(ConfigTest, NeedsNoFile) { EXPECT_EQ(LoadConfig({}, {}).pipeline.stereo.max_disparity_px, 128); }
+
+TEST_F(ConfigTest, AFileOverridesAnyPartAndASettingOverridesTheFile) {
+  const fs::path file = File("stereo:\n  max_disparity_px: 64\nodometry:\n  use_imu: false\nmapping:\n");
+  const Config config = LoadConfig(file, {"stereo.max_disparity_px=96", "robot.self_mask_png="});
+  EXPECT_EQ(config.pipeline.stereo.max_disparity_px, 96);
+  EXPECT_FALSE(config.pipeline.odometry.use_imu);
+  EXPECT_TRUE(config.pipeline.odometry.use_priors);
+}
+
+TEST_F(ConfigTest, ListsEveryProblemAtOnceWithFileLineKeyValueAndRule) {
+  const fs::path file = File(
+      "stereo:\n"
+      "  max_disparity_px: lots\n"
+      "  colour: blue\n"
+      "robots:\n"
+      "  legs: 6\n"
+      "pipeline:\n"
+      "  feedback_lag_frames: 99\n"
+      "mapping: 3\n");
+  const std::string error = ErrorOf(file, {"odometry.use_imu=perhaps", "nonsense"});
+  const std::string name = file.string();
+  EXPECT_THAT(error, HasSubstr(name + ":2: stereo.max_disparity_px = lots must be a whole number"));
+  EXPECT_THAT(error, HasSubstr(name + ":3: there is no key 'stereo.colour'"));
+  EXPECT_THAT(error, HasSubstr(name + ":4: there is no section 'robots'"));
+  EXPECT_THAT(error, HasSubstr(name + ":7: pipeline.feedback_lag_frames = 99 must lie between 1 and 16"));
+  EXPECT_THAT(error, HasSubstr(name + ":8: section 'mapping' must hold keys"));
+  EXPECT_THAT(error,
+              HasSubstr("--set odometry.use_imu=perhaps: odometry.use_imu = perhaps must be true or false"));
+  EXPECT_THAT(error, HasSubstr("--set nonsense: must read section.key=value"));
+}
+
+TEST_F(ConfigTest, SaysWhenAFileIsMissingOrNotYaml) {
+  EXPECT_THAT(ErrorOf(dir_ / "none.yaml", {}), HasSubstr("none.yaml: cannot be read"));
+  EXPECT_THAT(ErrorOf(File("stereo: [1, 2\n"), {}), HasSubstr("is not YAML"));
+  EXPECT_THAT(ErrorOf(File("just a word\n"), {}), HasSubstr("must hold sections"));
+}
+
+TEST_F(ConfigTest, RefusesNumbersThatAreNone) {
+  EXPECT_THAT(ErrorOf({}, {"robot.body_height_m=.nan"}), HasSubstr("must be a number"));
+  EXPECT_THAT(ErrorOf({}, {"robot.body_height_m=.inf"}), HasSubstr("must be a number"));
+  EXPECT_THAT(ErrorOf({}, {"robot.body_height_m=[1]"}), HasSubstr("a list or a map must be a number"));
+}
+
+TEST_F(ConfigTest, EveryKeyIsPrintedBelowItsDocumentation) {
+  std::istringstream printed(PrintConfig(Config{}));
+  std::string before;
+  int num_keys = 0;
+  for (std::string line; std::getline(printed, line); before = line) {
+    if (line.substr(0, 2) != "  " || line.substr(0, 4) == "  # ") continue;
+    ++num_keys;
+    EXPECT_EQ(before.substr(0, 2), "  ") << "neither documented nor sharing its neighbour's documentation: " << line;
+  }
+  EXPECT_GT(num_keys, 20);
+}
+
+TEST_F(ConfigTest, WhatItPrintsReadsBackAsTheSame) {
+  const Config config =
+      LoadConfig({}, {"stereo.max_disparity_px=96", "lcm.url=memq://\"", "robot.foot_radius_m=0.1"});
+  const std::string printed = PrintConfig(config);
+  EXPECT_EQ(PrintConfig(LoadConfig(File(printed), {})), printed);
+  EXPECT_EQ(ConfigHash(LoadConfig(File(printed), {})), ConfigHash(config));
+  EXPECT_NE(ConfigHash(LoadConfig({}, {})), ConfigHash(config));
+}
+
+TEST_F(ConfigTest, EveryShippedFileCanBeUsedAndTheDefaultFileIsWhatIsPrinted) {
+  int num_files = 0;
+  for (const auto& entry : fs::directory_iterator(TERRACE_CONFIG_DIR)) {
+    if (entry.path().extension() != ".yaml") continue;
+    ++num_files;
+    EXPECT_EQ(ErrorOf(entry.path(), {}), "") << entry.path();
+  }
+  EXPECT_GE(num_files, 1);
+  std::stringstream shipped;
+  shipped << std::ifstream(fs::path(TERRACE_CONFIG_DIR) / "terraced.yaml").rdbuf();
+  EXPECT_EQ(shipped.str(), PrintConfig(Config{}))
+      << "write daemon/config/terraced.yaml anew: terraced --print-config > daemon/config/terraced.yaml";
+}
+
+}  // namespace
+}  // namespace terrace
