@@ -95,7 +95,7 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
   evaluation.sequence = sequence;
   evaluation.stats = result.stats;
   evaluation.frames = result.frames;
-  evaluation.num_regions = result.map.regions.size();
+  evaluation.result_map = result.map;
   evaluation.latency_growth = GrowthOf(result.frames);
 
   std::vector<TimedPose> true_left;
@@ -115,7 +115,8 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
     evaluation.notes.push_back("map: the sequence has no true scene");
     return evaluation;
   }
-  const TrueScene scene = LoadTrueScene(sequence);
+  evaluation.scene = LoadTrueScene(sequence);
+  const TrueScene& scene = evaluation.scene;
   if (pairs.empty())
     evaluation.notes.push_back("map: not moved onto the truth, for there is no pose to do it by");
   const Eigen::Isometry3d T_true_result =

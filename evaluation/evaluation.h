@@ -35,7 +35,8 @@ struct Evaluation {
   ReplayStats stats;
   std::optional<LatencyGrowth> latency_growth;
   std::vector<ResultFrame> frames;
-  std::size_t num_regions = 0;
+  TerrainMap result_map;
+  TrueScene scene;  ///< empty when the sequence has none
 };
 
 /// Measures what `terraced replay` left in a folder against the truth that the sequence comes with. Throws

@@ -193,7 +193,7 @@ Json TimeJson(const Evaluation& evaluation) {
   json["peak_rss_mib"] = stats.peak_rss_mib;
   json["map_bytes"] = stats.map_bytes;
   json["map_cells"] = stats.map_cells;
-  json["regions"] = evaluation.num_regions;
+  json["regions"] = evaluation.result_map.regions.size();
   json["latency_ms"] = nullptr;
   if (stats.latency) {
     json["latency_ms"] = {{"p50", stats.latency->p50},
