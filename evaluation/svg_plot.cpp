@@ -103,8 +103,8 @@ class Frame {
   }
 
  private:
-  /// Ticks near zero would print as 1e-17.
-  static double Rounded(double value, double step) { return std::round(value / step * 100) / 100 * step; }
+  /// Ticks near zero would print as 1e-17 or -0.
+  static double Rounded(double value, double step) { return std::round(value / step) * step + 0.0; }
 
   static void Widen(Range* range, double size) {
     const double middle = 0.5 * (range->low + range->high);
@@ -196,8 +196,8 @@ std::string PlotLines(const PlotStyle& style, const std::vector<PlotSeries>& ser
     const double at = frame.Y(style.logarithmic_y ? std::log10(reference.y) : reference.y);
     Print(&svg, "<line class=\"reference\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>", kLeft,
           kWidth - kRight, at, at);
-    Print(&svg, "<text class=\"tick\" x=\"%.1f\" y=\"%.1f\">%s</text>\n", kLeft + 6, at - 4,
-          EscapeMarkup(reference.name).c_str());
+    Print(&svg, "<text class=\"tick\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%s</text>\n",
+          kWidth - kRight - 4, at - 4, EscapeMarkup(reference.name).c_str());
   }
   for (const PlotSeries& one : shown) svg += Polyline(frame, one);
   return svg + Legend(shown) + "</svg>\n";

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "evaluation/evaluation_text.h"
 #include "evaluation/report.h"
 #include "tools/commands.h"
+#include "tools/evaluate_all.h"
 
 namespace terrace {
 namespace {
@@ -23,6 +25,14 @@ struct EvaluateArguments {
   std::optional<double> scale;
   std::optional<std::string> mask;
   std::vector<std::string> include;
+  std::string run;
+  std::string list;
+  std::string output;
+  std::string baseline;
+  std::string write_baseline;
+  int num_jobs = 1;
+  bool no_run = false;
+  bool skip_missing = false;
 };
 
 void WriteText(const std::filesystem::path& path, const std::string& text) {
@@ -57,12 +67,32 @@ void EvaluatePair(const EvaluateArguments& arguments) {
   std::fputs(ToJson(errors).c_str(), stdout);  // last line, for programs
 }
 
+void EvaluateList(const EvaluateArguments& arguments) {
+  EvaluateAllArguments all;
+  all.list = arguments.list;
+  all.output = arguments.output;
+  all.num_jobs = arguments.num_jobs;
+  all.run = !arguments.no_run;
+  all.skip_missing = arguments.skip_missing;
+  if (!arguments.baseline.empty()) all.baseline = arguments.baseline;
+  if (!arguments.write_baseline.empty()) all.write_baseline = arguments.write_baseline;
+  if (!EvaluateAll(all)) throw std::runtime_error("evaluate --all: something failed or got worse");
+}
+
 void Run(const EvaluateArguments& arguments) {
-  if (!arguments.pair.empty()) return EvaluatePair(arguments);
-  if (arguments.result_and_sequence.size() != 2) {
-    throw UsageError("evaluate wants RESULT_DIR SEQUENCE, or --pair D TRUTH");
+  const bool one_result = !arguments.result_and_sequence.empty();
+  const int num_ways =
+      one_result + !arguments.pair.empty() + !arguments.run.empty() + !arguments.list.empty();
+  if (num_ways != 1 || (one_result && arguments.result_and_sequence.size() != 2)) {
+    throw UsageError("evaluate wants one of: RESULT_DIR SEQUENCE, --pair D TRUTH, --run LINE, --all LIST");
   }
-  EvaluateFolder(arguments);
+  if ((!arguments.run.empty() || !arguments.list.empty()) && arguments.output.empty()) {
+    throw UsageError("evaluate: --run and --all want --output DIR");
+  }
+  if (one_result) return EvaluateFolder(arguments);
+  if (!arguments.pair.empty()) return EvaluatePair(arguments);
+  if (!arguments.list.empty()) return EvaluateList(arguments);
+  RunJob(ParseJob(arguments.run, "--run"), std::filesystem::current_path(), arguments.output);
 }
 
 }  // namespace
@@ -86,6 +116,27 @@ void AddEvaluateCommand(CLI::App& app) {
       ->needs(pair);
   command->add_option("--mask", arguments->mask, "255 visible in both images, 128 hidden in the right one")
       ->needs(pair);
+  command->add_option(
+      "--run", arguments->run,
+      "replay and evaluate one line of a list: \"name sequence [options of terraced replay]\"");
+  CLI::Option* all =
+      command->add_option("--all", arguments->list, "replay and evaluate every line of a list");
+  command->add_option("--output", arguments->output, "of --run and --all: results go to DIR/name")
+      ->type_name("DIR");
+  command->add_option("--jobs", arguments->num_jobs, "sequences at a time")
+      ->check(CLI::Range(1, 1024))
+      ->needs(all);
+  command
+      ->add_option("--baseline", arguments->baseline,
+                   "stored figures to compare with; exit code 1 when worse")
+      ->type_name("FILE")
+      ->needs(all);
+  command->add_option("--write-baseline", arguments->write_baseline, "store the figures here")
+      ->type_name("FILE")
+      ->needs(all);
+  command->add_flag("--no-run", arguments->no_run, "compare the results that are already in DIR")->needs(all);
+  command->add_flag("--skip-missing", arguments->skip_missing, "leave out sequences that are not here")
+      ->needs(all);
   command->callback([arguments] { Run(*arguments); });
 }
 
