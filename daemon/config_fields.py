@@ -3,7 +3,7 @@
 """config_fields.py OUT HEADER...: makes every field of every `struct ...Config` a key of the configuration file.
 
 A field is one line `type name = default;` with its documentation in `///` lines above it, which is also what
-`terraced --print-config` prints. Written for each struct:
+`terraced --print-config` prints; fields on consecutive lines share it. Written for each struct:
 
     template <typename Visitor>
     void VisitFields(XConfig& config, Visitor&& visit) { visit("name", config.name, "documentation"); ... }
@@ -16,9 +16,10 @@ TYPES = ("bool", "int", "double", "std::string")
 
 def structs(path):
     """Yields (struct, [(field, comment)]); exits with a sentence where a field cannot be a key."""
-    struct, fields, comment = None, [], []
+    struct, fields, comment, was_field = None, [], [], False
     for number, line in enumerate(open(path), 1):
         text = line.strip()
+        follows_field, was_field = was_field, False
         if match := re.match(r"struct (\w+Config)\b", text):
             struct, fields, comment = match.group(1), [], []
         elif struct and line.startswith("}"):
@@ -30,10 +31,10 @@ def structs(path):
             kind, name = match.groups()
             if kind not in TYPES:
                 sys.exit(f"{path}:{number}: a setting has one of the types {', '.join(TYPES)}")
-            if not comment:
+            if not comment and not follows_field:
                 sys.exit(f"{path}:{number}: {struct}::{name} has no '///' comment above it")
             fields.append((name, "\\n".join(c.replace('"', '\\"') for c in comment)))
-            comment = []
+            comment, was_field = [], True
         else:
             comment = []
 
