@@ -86,9 +86,7 @@ void AddSynthesizeCommand(CLI::App& app) {
       ->check(CLI::IsMember({"walk", "stand", "creep", "turn_on_spot"}));
   command->add_option("--threads", config.renderer.num_threads,
                       "0: all processors; the bytes do not depend on it");
-  command
-      ->add_option("--samples", config.renderer.samples_side,
-                   "samples a pixel are this squared: 1, 2, 4 or 8")
+  command->add_option("--samples", config.renderer.samples, "samples a pixel, a power of two")
       ->capture_default_str();
   command
       ->add_option("--truth-every", config.truth_every, "depth and labels of every so manyth frame; 0: none")

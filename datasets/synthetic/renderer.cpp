@@ -18,6 +18,19 @@ void Store(const Eigen::Vector3d& from, float* to) {
   for (int axis = 0; axis < 3; ++axis) to[axis] = static_cast<float>(from[axis]);
 }
 
+/// Coordinates 0 and 1 of the points of Sobol's sequence, as fractions of 2^32. With the time of the sample,
+/// which rises with its index, any two of the three fill their square evenly, so moving edges are as smooth
+/// as still ones.
+std::uint32_t SobolDigits(std::uint32_t index, int coordinate) {
+  std::uint32_t direction = 1U << 31;
+  std::uint32_t digits = 0;
+  for (; index != 0; index >>= 1) {
+    if ((index & 1U) != 0) digits ^= direction;
+    direction = coordinate == 0 ? direction >> 1 : direction ^ (direction >> 1);
+  }
+  return digits;
+}
+
 /// End of the run of equal numbers that starts at `first`.
 int RunEnd(const std::int32_t* surface, int first, int n) {
   int end = first + 1;
@@ -34,8 +47,8 @@ int ThreadsOf(const RendererConfig& config) {
 
 std::vector<std::string> RendererConfig::Problems() const {
   std::vector<std::string> problems;
-  if (samples_side != 1 && samples_side != 2 && samples_side != 4 && samples_side != 8) {
-    problems.push_back("samples_side is " + std::to_string(samples_side) + ", must be 1, 2, 4 or 8");
+  if (samples < 1 || samples > 256 || (samples & (samples - 1)) != 0) {
+    problems.push_back("samples is " + std::to_string(samples) + ", must be a power of two up to 256");
   }
   if (num_threads < 0)
     problems.push_back("num_threads is " + std::to_string(num_threads) + ", must not be negative");
@@ -173,15 +186,15 @@ Radiance Renderer::Render(const std::function<Eigen::Isometry3d(double)>& pose_a
                           std::uint32_t seed) {
   const int width = scene_.camera.width;
   const int height = scene_.camera.height;
-  const int num_samples = config_.samples_side * config_.samples_side;
+  const int num_samples = config_.samples;
   rays_.SetTime(t_s);
   std::vector<View> views;
   for (int sample = 0; sample < num_samples; ++sample) {
     const double at = t_s + ((sample + 0.5) / num_samples - 0.5) * scene_.photometry.exposure_s;
     views.push_back(ViewOf(pose_at(at), t_s));
     RowRays& rays = views.back().rays;
-    rays.sample = sample;
-    rays.grid = config_.samples_side;
+    rays.sample_u = SobolDigits(static_cast<std::uint32_t>(sample), 0);
+    rays.sample_v = SobolDigits(static_cast<std::uint32_t>(sample), 1);
     rays.jitter = true;
     rays.seed = seed;
   }

@@ -16,8 +16,8 @@
 namespace terrace::synthetic {
 
 struct RendererConfig {
-  /// Samples a pixel are this squared: 2 for the demo, 4 for figures; a power of two.
-  int samples_side = 2;
+  /// Samples a pixel, a power of two.
+  int samples = 8;
   /// Threads that share the rows of an image; 0: all there are. The image does not depend on it.
   int num_threads = 0;
 

@@ -38,7 +38,6 @@ void Generate(const RowRays& r, float* dx, float* dy, float* dz) {
   const Floats d;
   const Ints di;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const float stratum = 1.0F / static_cast<float>(r.grid);
   for (int x = 0; x < r.width; x += lanes) {
     const Vi column = hn::Iota(di, x);
     Vf du = Set(0.0F);
@@ -47,20 +46,14 @@ void Generate(const RowRays& r, float* dx, float* dy, float* dz) {
       const Vw h =
           HashPixels(hn::Xor(hn::BitCast(Words(), column),
                              hn::Set(Words(), r.seed + 0x9e3779b9U * static_cast<std::uint32_t>(r.row))));
-      // The strata take turns over the pixels, so that no part of a pixel belongs to one part of the
-      // exposure.
-      const Vi turn = hn::And(hn::BitCast(di, hn::ShiftRight<27>(h)), hn::Set(di, r.grid * r.grid - 1));
-      const Vi stratum_index = hn::Xor(turn, hn::Set(di, r.sample));
-      const Vf index = hn::ConvertTo(d, stratum_index);
-      const Vf index_v = hn::Floor(hn::Mul(ScaleAdd(Set(1.0F), index, Set(0.5F)), Set(stratum)));
-      const Vf index_u = hn::Sub(index, hn::Mul(index_v, Set(static_cast<float>(r.grid))));
-      const Vw again = HashPixels(hn::Add(h, hn::Set(Words(), static_cast<std::uint32_t>(r.sample))));
-      const Vf ju =
-          hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(again))), Set(1.0F / 65536.0F));
-      const Vf jv = hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::And(again, hn::Set(Words(), 0xffffU)))),
-                            Set(1.0F / 65536.0F));
-      du = hn::Sub(hn::Mul(hn::Add(index_u, ju), Set(stratum)), Set(0.5F));
-      dv = hn::Sub(hn::Mul(hn::Add(index_v, jv), Set(stratum)), Set(0.5F));
+      // Digits of both coordinates are turned over (xor): each pixel has samples of its own that fill it as
+      // evenly.
+      const Vw again = HashPixels(hn::Add(h, hn::Set(Words(), 0x9e3779b9U)));
+      const Vw su = hn::Xor(h, hn::Set(Words(), r.sample_u));
+      const Vw sv = hn::Xor(again, hn::Set(Words(), r.sample_v));
+      const Vf unit = Set(1.0F / 16777216.0F);
+      du = hn::Sub(hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<8>(su))), unit), Set(0.5F));
+      dv = hn::Sub(hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<8>(sv))), unit), Set(0.5F));
     }
     const Vf u = hn::Add(hn::ConvertTo(d, column), du);
     const Vf v = hn::Add(Set(static_cast<float>(r.row)), dv);

@@ -16,9 +16,11 @@ struct RowRays {
   float down[3];
   int row = 0;
   int width = 0;
-  int sample = 0;       ///< of num_samples: which of the strata of the pixel; 0 of 1 unjittered: the centre
-  int grid = 1;         ///< the strata are grid x grid
-  bool jitter = false;  ///< a random place in the stratum, else its middle
+  /// Where in the pixel, as fractions of 2^32 from its corner, before each pixel turns the digits over in its
+  /// own way.
+  std::uint32_t sample_u = 0;
+  std::uint32_t sample_v = 0;
+  bool jitter = false;  ///< false: the middle of the pixel
   std::uint32_t seed = 0;
 };
 void GenerateRays(const RowRays& rays, float* dx, float* dy, float* dz);

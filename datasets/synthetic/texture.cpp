@@ -153,10 +153,16 @@ inline Vf SquareWave(Vf x, Vf width) {
 // Each gives the departure from the mean brightness, in units of the mean.
 
 Vf Concrete(const Point& p, std::uint32_t seed, float /*scale*/) {
-  const Vf body = hn::Mul(Fractal(p, seed, 1.3F, 0.86F), Set(0.15F));
-  const Vf pits =
-      hn::Sub(Noise(hn::Mul(p.u, Set(90.0F)), hn::Mul(p.v, Set(90.0F)), Hash(seed, 7)), Set(0.45F));
-  const Vf pit = hn::Mul(hn::Mul(hn::Max(pits, Set(0.0F)), Fade(90.0F, p.footprint)), Set(-0.9F));
+  const Vf body = hn::Mul(Fractal(p, seed, 1.3F, 0.92F), Set(0.17F));
+  // Pits: the peaks of two noises at once, turned against each other, which leaves no axis to see.
+  constexpr float kPits = 70.0F;
+  const auto peaks = [&](float cosine, float sine, std::uint32_t of) {
+    const Vf x = hn::Sub(hn::Mul(p.u, Set(kPits * cosine)), hn::Mul(p.v, Set(kPits * sine)));
+    const Vf y = hn::Add(hn::Mul(p.u, Set(kPits * sine)), hn::Mul(p.v, Set(kPits * cosine)));
+    return Noise(x, y, Hash(seed, of));
+  };
+  const Vf pits = hn::Sub(hn::Add(peaks(0.8F, 0.6F, 7), peaks(0.28F, 0.96F, 8)), Set(0.75F));
+  const Vf pit = hn::Mul(hn::Mul(hn::Max(pits, Set(0.0F)), Fade(kPits, p.footprint)), Set(-0.8F));
   return hn::Add(body, pit);
 }
 
@@ -167,7 +173,7 @@ Vf Tiles(const Point& p, std::uint32_t seed, float scale) {
   const Vf half = hn::Mul(hn::Add(cell.index_u, cell.index_v), Set(0.5F));
   const Vf odd = hn::Sub(half, hn::Floor(half));
   const Vf checker = hn::Sub(Set(0.15F), hn::Mul(odd, Set(0.6F)));
-  const Vf grain = hn::Mul(Fractal(p, Hash(seed, 1), 2.1F, 0.84F), Set(0.13F));
+  const Vf grain = hn::Mul(Fractal(p, Hash(seed, 1), 2.1F, 0.9F), Set(0.15F));
   // Veins: the zero lines of a slow noise.
   const Vf n = Noise(hn::Mul(p.u, Set(5.3F)), hn::Mul(p.v, Set(5.3F)), Hash(seed, 2));
   const Vf wobble =

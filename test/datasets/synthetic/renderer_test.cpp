@@ -31,7 +31,7 @@ float Bilinear(const Radiance& image, double u, int v) {
 
 TEST(RendererTest, WhatTheLeftCameraSeesLiesWhereItsDepthSaysInTheRightImage) {
   const Scene scene = SmallScene();
-  Renderer renderer(scene, {4, 0});
+  Renderer renderer(scene, {16, 0});
   const Eigen::Isometry3d T_world_left = PoseOf(scene, 0.0, 0.0, 0.05);
   Eigen::Isometry3d T_world_right = T_world_left;
   T_world_right.translation() += scene.camera.baseline_m * T_world_left.linear().col(0);
@@ -115,7 +115,7 @@ Scene SquareScene() {
 
 TEST(RendererTest, CornersOfAPlaneTriangulateWithinATenthOfAPixel) {
   const Scene scene = SquareScene();
-  Renderer renderer(scene, {4, 0});
+  Renderer renderer(scene, {16, 0});
   Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
   T_world_left.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   Eigen::Isometry3d T_world_right = T_world_left;
@@ -167,8 +167,8 @@ TEST(RendererTest, CornersOfAPlaneTriangulateWithinATenthOfAPixel) {
 TEST(RendererTest, AnyNumberOfThreadsGivesTheSameImage) {
   const Scene scene = SmallScene();
   const Eigen::Isometry3d pose = PoseOf(scene, 0.0, 0.0, 0.0);
-  Renderer one(scene, {2, 1});
-  Renderer three(scene, {2, 3});
+  Renderer one(scene, {4, 1});
+  Renderer three(scene, {4, 3});
   const auto pose_at = [&](double) { return pose; };
   EXPECT_EQ(one.Render(pose_at, 0.0, 5).data, three.Render(pose_at, 0.0, 5).data);
   EXPECT_EQ(one.Look(pose, 0.0).surface, three.Look(pose, 0.0).surface);
@@ -177,7 +177,7 @@ TEST(RendererTest, AnyNumberOfThreadsGivesTheSameImage) {
 TEST(RendererTest, MovementDuringTheExposureBlursTheEdgesAcrossIt) {
   Scene scene = SquareScene();
   scene.photometry.exposure_s = 0.04;
-  Renderer renderer(scene, {4, 0});
+  Renderer renderer(scene, {16, 0});
   // Turns to the right about the vertical: 9 px in the exposure.
   const auto turning = [](double t) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -214,7 +214,7 @@ TEST(RendererTest, AMirrorShowsWhatStandsBehindItUpsideDown) {
   builder.AddWall(low, 1);
   builder.AddWall(high, 2);
   builder.Finish();
-  Renderer renderer(scene, {2, 1});
+  Renderer renderer(scene, {4, 1});
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;  // looks along +x
   pose.translation() << 0.5, 0.0, 1.0;

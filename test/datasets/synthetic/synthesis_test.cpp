@@ -107,8 +107,9 @@ TEST(SynthesisTest, DepthAndLabelImagesAgreeWithTheTruePlanes) {
     const auto pose = std::find_if(poses.poses.begin(), poses.poses.end(),
                                    [&](const TimedPose& p) { return std::abs((p.t - t).count()) < 10'000; });
     ASSERT_NE(pose, poses.poses.end());
-    ASSERT_EQ(poses.frame, TruthFrame::kBody);
-    const Eigen::Isometry3d T_world_left = pose->T_world_frame * scene.mounting.T_body_left();
+    const Eigen::Isometry3d T_world_left = poses.frame == TruthFrame::kBody
+                                               ? pose->T_world_frame * scene.mounting.T_body_left()
+                                               : pose->T_world_frame;
     for (std::size_t i = 0; i < depth.data.size(); i += 7) {
       if (label.data[i] == 0) continue;
       const double z = depth.data[i] * 1e-3;
@@ -152,7 +153,7 @@ TEST(SynthesisTest, ConfigurationProblemsAreListed) {
   EXPECT_TRUE(config.Problems().empty());
   config.gain = 0.0;
   config.rate_hz = -1.0;
-  config.renderer.samples_side = 3;
+  config.renderer.samples = 3;
   EXPECT_EQ(config.Problems().size(), 3u);
 }
 
