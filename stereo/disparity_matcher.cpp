@@ -2,72 +2,98 @@
 #include "stereo/disparity_matcher.h"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
-
 #include "core/check.h"
+#include "stereo/disparity_filters.h"
+#include "stereo/half_resolution.h"
+#include "stereo/refinement.h"
+#include "stereo/semi_global.h"
 
 namespace terrace {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-// What OpenCV's parabola through the matching costs leaves on textured ground.
-constexpr float kSigmaPx = 0.25f;
+constexpr int kRangeStep = 16;
+
+std::vector<CensusPair> CensusByName(const std::string& name) {
+  if (name == "5x5") return Census5x5();
+  if (name == "9x7") return Census9x7();
+  return CensusMixed();
+}
+
+SemiGlobalSettings MatchingSettings(const DisparityConfig& config) {
+  SemiGlobalSettings settings;
+  settings.census = CensusByName(config.census);
+  settings.penalties = {config.small_step_penalty, config.large_step_penalty, config.edge_step_penalty};
+  settings.winner.uniqueness_percent = config.uniqueness_percent;
+  settings.winner.max_left_right_error = static_cast<int>(std::lround(config.max_left_right_error_px));
+  return settings;
+}
 
 }  // namespace
 
 std::vector<std::string> DisparityConfig::Problems() const {
   std::vector<std::string> problems;
-  if (max_disparity_px < 16 || max_disparity_px > 256 || max_disparity_px % 16 != 0)
-    problems.push_back("max_disparity_px is " + std::to_string(max_disparity_px) +
-                       ", must be a multiple of 16 from 16 to 256");
-  if (!(max_left_right_error_px >= 0.0))
-    problems.push_back("max_left_right_error_px is " + std::to_string(max_left_right_error_px) +
-                       ", must not be negative");
+  const auto need = [&](bool fine, const std::string& sentence) {
+    if (!fine) problems.push_back(sentence);
+  };
+  need(max_disparity_px >= 16 && max_disparity_px <= 256 && max_disparity_px % kRangeStep == 0,
+       "max_disparity_px is " + std::to_string(max_disparity_px) +
+           ", must be a multiple of 16 from 16 to 256");
+  need(tier == "fast" || tier == "quality", "tier is \"" + tier + "\", must be \"fast\" or \"quality\"");
+  need(census == "mixed" || census == "5x5" || census == "9x7",
+       "census is \"" + census + "\", must be \"mixed\", \"5x5\" or \"9x7\"");
+  need(0 <= small_step_penalty && small_step_penalty <= edge_step_penalty &&
+           edge_step_penalty <= large_step_penalty && large_step_penalty <= 50,
+       "the penalties must hold 0 <= small_step_penalty <= edge_step_penalty <= large_step_penalty <= 50");
+  need(uniqueness_percent >= 0 && uniqueness_percent <= 100, "uniqueness_percent must lie between 0 and 100");
+  need(max_left_right_error_px >= 0.0, "max_left_right_error_px must not be negative");
+  need(min_piece_px >= 0, "min_piece_px must not be negative");
   return problems;
 }
 
 class DisparityMatcher::Impl {
  public:
-  explicit Impl(const DisparityConfig& config) : config_(config) {
-    const int left_right = static_cast<int>(std::lround(config.max_left_right_error_px));
-    sgbm_ = cv::StereoSGBM::create(0, config.max_disparity_px, 5, 200, 800, left_right, 63, 10, 100, 2,
-                                   cv::StereoSGBM::MODE_SGBM);
-  }
+  explicit Impl(const DisparityConfig& config) : config_(config), matcher_(MatchingSettings(config)) {}
 
   DisparityImage Match(const StereoFrame& frame) {
-    // Without the border nothing would be found in the leftmost max_disparity_px columns.
-    const int border = config_.max_disparity_px;
-    cv::copyMakeBorder(frame.left, left_, 0, 0, border, 0, cv::BORDER_REPLICATE);
-    cv::copyMakeBorder(frame.right, right_, 0, 0, border, 0, cv::BORDER_REPLICATE);
-    sgbm_->compute(left_, right_, sixteenths_);
-
     DisparityImage result{frame.frame_id, frame.t_capture, {}, {}};
-    result.disparity_px.create(frame.left.size());
-    result.sigma_px.create(frame.left.size());
-    for (int v = 0; v < frame.left.rows; ++v) {
-      const short* found = sixteenths_.ptr<short>(v) + border;
-      for (int u = 0; u < frame.left.cols; ++u) {
-        const bool known = found[u] > 0;
-        result.disparity_px(v, u) = known ? static_cast<float>(found[u]) / 16.0f : kUnknown;
-        result.sigma_px(v, u) = known ? kSigmaPx : kUnknown;
-      }
-    }
+    if (config_.tier == "fast")
+      MatchHalved(frame, result.disparity_px);
+    else
+      MatchFull(frame, result.disparity_px);
+    RefineDisparity(frame.left, frame.right, refinement_, result.disparity_px, result.sigma_px);
     return result;
   }
 
  private:
+  void MatchFull(const StereoFrame& frame, cv::Mat1f& disparity) {
+    matcher_.Match(frame.left, frame.right, config_.max_disparity_px, disparity);
+    RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity);
+  }
+
+  void MatchHalved(const StereoFrame& frame, cv::Mat1f& disparity) {
+    HalveImage(frame.left, half_left_);
+    HalveImage(frame.right, half_right_);
+    const int range = (config_.max_disparity_px / 2 + kRangeStep - 1) / kRangeStep * kRangeStep;
+    matcher_.Match(half_left_, half_right_, range, half_disparity_);
+    RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
+    disparity.create(frame.left.size());
+    DoubleDisparity(half_disparity_, disparity);
+  }
+
+  static constexpr float kMaxSlope = 2.0f;  // pixels of disparity between neighbours of one piece
+
   DisparityConfig config_;
-  cv::Ptr<cv::StereoSGBM> sgbm_;
-  cv::Mat left_, right_, sixteenths_;
+  SemiGlobalMatcher matcher_;
+  RefinementSettings refinement_;
+  cv::Mat1b half_left_, half_right_;
+  cv::Mat1f half_disparity_;
 };
 
 DisparityMatcher::DisparityMatcher(const DisparityConfig& config) {
   std::string all;
-  for (const std::string& problem : config.Problems()) all += "stereo." + problem + "\n";
+  for (const std::string& problem : config.Problems()) all += "stereo: " + problem + "\n";
   if (!all.empty()) throw std::invalid_argument(all);
   impl_ = std::make_unique<Impl>(config);
 }

@@ -14,14 +14,30 @@ namespace terrace {
 struct DisparityConfig {
   /// Search range; the nearest visible depth is focal_px * baseline_m / this. A multiple of 16, at most 256.
   int max_disparity_px = 128;
+  /// "fast": matched at half resolution, refined at full. "quality": matched at full resolution, three times
+  /// the work, for thin things.
+  std::string tier = "fast";
+  /// What is compared: "mixed" (edges of objects kept best), "5x5" (finest detail) or "9x7" (most robust in
+  /// darkness and noise).
+  std::string census = "mixed";
+  /// Penalty for a change of disparity by one between neighbours, in census bits (of 32).
+  int small_step_penalty = 8;
+  /// Penalty for a greater change where the image is flat; at most 50.
+  int large_step_penalty = 50;
+  /// The same where the brightness jumps too, as it does at the edge of an object.
+  int edge_step_penalty = 30;
+  /// How many percent more than the best any other disparity must cost.
+  int uniqueness_percent = 0;
   /// Left-right agreement a pixel needs to be kept.
   double max_left_right_error_px = 1.0;
+  /// Connected pieces smaller than this are thrown away.
+  int min_piece_px = 100;
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;
 };
 
-/// Dense stereo. Same input, same output, for any number of threads.
+/// Dense stereo. Same input, same output, for any number of threads and on every processor.
 class DisparityMatcher {
  public:
   /// Throws std::invalid_argument with every problem of the settings.

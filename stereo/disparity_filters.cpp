@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/disparity_filters.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace terrace {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+/// Runs of connected pixels, joined to pieces by union-find.
+class Pieces {
+ public:
+  int Add(int num_pixels) {
+    parent_.push_back(static_cast<int>(parent_.size()));
+    size_.push_back(num_pixels);
+    return parent_.back();
+  }
+  int Find(int i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void Join(int i, int j) {
+    i = Find(i), j = Find(j);
+    if (i == j) return;
+    if (i > j) std::swap(i, j);
+    parent_[j] = i;
+    size_[i] += size_[j];
+  }
+  int SizeOf(int i) { return size_[Find(i)]; }
+
+ private:
+  std::vector<int> parent_, size_;
+};
+
+struct Run {
+  int begin, end;  // columns
+  int piece;
+};
+
+}  // namespace
+
+void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity) {
+  Pieces pieces;
+  std::vector<Run> runs;
+  std::vector<std::size_t> row_begin = {0};
+  for (int v = 0; v < disparity.rows; ++v) {
+    const float* row = disparity[v];
+    for (int u = 0; u < disparity.cols;) {
+      if (std::isnan(row[u])) {
+        ++u;
+        continue;
+      }
+      int end = u + 1;
+      while (end < disparity.cols && std::abs(row[end] - row[end - 1]) <= max_difference) ++end;
+      runs.push_back({u, end, pieces.Add(end - u)});
+      u = end;
+    }
+    row_begin.push_back(runs.size());
+    if (v == 0) continue;
+    const float* above = disparity[v - 1];
+    std::size_t i = row_begin[v - 1];
+    for (std::size_t j = row_begin[v]; j < row_begin[v + 1]; ++j) {
+      while (i < row_begin[v] && runs[i].end <= runs[j].begin) ++i;
+      for (std::size_t k = i; k < row_begin[v] && runs[k].begin < runs[j].end; ++k) {
+        const int begin = std::max(runs[k].begin, runs[j].begin), end = std::min(runs[k].end, runs[j].end);
+        int u = begin;
+        while (u < end && std::abs(row[u] - above[u]) > max_difference) ++u;
+        if (u < end) pieces.Join(runs[k].piece, runs[j].piece);
+      }
+    }
+  }
+  for (int v = 0; v < disparity.rows; ++v)
+    for (std::size_t j = row_begin[v]; j < row_begin[v + 1]; ++j)
+      if (pieces.SizeOf(runs[j].piece) < min_pixels)
+        std::fill(disparity[v] + runs[j].begin, disparity[v] + runs[j].end, kUnknown);
+}
+
+}  // namespace terrace

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/path_aggregation.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "core/check.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "stereo/path_aggregation.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "stereo/vector_minimum-inl.h"
+
+#ifndef TERRACE_STEREO_PATH_AGGREGATION_ONCE_
+#define TERRACE_STEREO_PATH_AGGREGATION_ONCE_
+namespace terrace {
+
+constexpr int kBlock = 16;        // pixels whose minima are found together
+constexpr int kRowsTogether = 8;  // through which the horizontal paths run in lockstep
+
+/// Bytes between the states of neighbouring pixels' paths. They hold 255, so that a disparity outside the
+/// range is never the best neighbour.
+constexpr int kPathPadding = 64;
+/// Where the ranges of neighbours differ they hold at most 32 disparities, so that ranges shifted by this
+/// against each other do not touch: greater shifts are cut to it.
+constexpr int kMaxRangeThatShifts = 32;
+constexpr int kMaxShift = 33;
+
+/// Where the work on a strip goes on.
+struct StripMemory {
+  std::uint8_t* costs;     // of kRowsTogether rows
+  std::uint8_t* sums;      // of three paths, of all rows of the strip and one more
+  std::uint8_t* row_sums;  // of all four paths, of one row
+  std::uint8_t* paths[2];  // state of the vertical paths: the row before and this one
+  std::uint8_t* minima;    // of the vertical paths' last row
+  std::size_t row_bytes;
+  int padded_width;
+};
+
+/// One row of the images and of the volumes.
+struct RowPointers {
+  const std::uint8_t* left[CensusImage::kNumPlanes];
+  const std::uint8_t* right[CensusImage::kNumPlanes];
+  const std::uint8_t* p2;
+  const std::int16_t* first;         // disparity of each pixel's range
+  const std::int16_t* first_before;  // the same in the row that the vertical path comes from
+  std::uint8_t* costs;
+  std::uint8_t* sums;
+};
+
+}  // namespace terrace
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace terrace {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Cost of a disparity that leads out of the right image: more than a good match has, less than a wrong one,
+/// so that surfaces continue to where only the left camera sees them; such winners are thrown away. Less
+/// where the left image shows nothing either: there it says nothing about where things are not.
+constexpr std::uint8_t kMaxCostOutside = 10;
+
+/// L(p, d) = C(p, d) + min(L(q, d), L(q, d -+ 1) + P1, min L(q) + P2) - min L(q).
+/// @tparam kVectors  that hold the disparities; 0: not known before
+/// @param before  L(q, .), its index shifted to p's range
+/// @return the least L of each lane, folded to 16 bytes.
+template <int kVectors, class D, class CostOf, class Use>
+HWY_INLINE hn::Vec<Tag16> Step(D d, int num_disparities, const std::uint8_t* HWY_RESTRICT before,
+                               std::uint8_t* HWY_RESTRICT now, std::uint8_t p1, std::uint8_t p2,
+                               std::uint8_t minimum, const CostOf& cost_of, const Use& use) {
+  const auto v_p1 = hn::Set(d, p1);
+  const auto v_minimum = hn::Set(d, minimum);
+  const auto v_jump = hn::Set(d, static_cast<std::uint8_t>(minimum + p2));
+  auto least = hn::Set(d, 255);
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
+  const int end = kVectors > 0 ? kVectors * kLanes : num_disparities;
+  for (int k = 0; k < end; k += kLanes) {
+    const auto beside = hn::Min(hn::LoadU(d, before + k - 1), hn::LoadU(d, before + k + 1));
+    const auto best = hn::Min(hn::Min(hn::LoadU(d, before + k), hn::SaturatedAdd(beside, v_p1)), v_jump);
+    const auto value = hn::Add(hn::Sub(best, v_minimum), cost_of(k));
+    hn::Store(value, d, now + k);
+    least = hn::Min(least, value);
+    use(k, value);
+  }
+  return FoldTo16(d, least);
+}
+
+HWY_INLINE int Shift(int first_before, int first_now) {
+  return std::clamp(first_before - first_now, -kMaxShift, kMaxShift);
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> Hamming(D d, const hn::Vec<D>* left, const RowPointers& row, std::ptrdiff_t right_u) {
+  static_assert(CensusImage::kNumPlanes == 4);
+  const auto bits = [&](int p) HWY_ATTR {
+    return hn::PopulationCount(hn::Xor(left[p], hn::LoadU(d, row.right[p] + right_u)));
+  };
+  auto cost = hn::Add(hn::Add(bits(0), bits(1)), hn::Add(bits(2), bits(3)));
+  if (right_u < 0) {
+    const std::ptrdiff_t num_outside = std::min<std::ptrdiff_t>(-right_u, static_cast<int>(hn::MaxLanes(d)));
+    const auto outside = hn::Lt(hn::Iota(d, 0), hn::Set(d, static_cast<std::uint8_t>(num_outside)));
+    const auto shown = hn::Add(hn::Add(hn::PopulationCount(left[0]), hn::PopulationCount(left[1])),
+                               hn::Add(hn::PopulationCount(left[2]), hn::PopulationCount(left[3])));
+    cost = hn::IfThenElse(outside, hn::Min(shown, hn::Set(d, kMaxCostOutside)), cost);
+  }
+  return cost;
+}
+
+/// What becomes of the values of a vertical path, and of the costs, which are computed on the way.
+enum class Sums {
+  kNone,  // outside the strip: neither is kept
+  kSet,   // the upward path: both are stored
+  kAdd,   // the downward path: with the other paths' sums it gives the row's
+};
+
+/// The vertical path into one row.
+template <int kVectors, Sums kSums, class D>
+void VerticalRow(D d, const RowPointers& row, int width, int n, std::uint8_t p1, const StripMemory& memory) {
+  for (int u0 = 0; u0 < width; u0 += kBlock) {
+    hn::Vec<Tag16> least[kBlock];
+    for (int i = 0; i < kBlock; ++i) {
+      const int u = u0 + i;
+      const hn::Vec<D> words[] = {hn::Set(d, row.left[0][u]), hn::Set(d, row.left[1][u]),
+                                  hn::Set(d, row.left[2][u]), hn::Set(d, row.left[3][u])};
+      const std::ptrdiff_t right_u = u - (row.first[u] + n - 1);
+      std::uint8_t* costs = row.costs + static_cast<std::ptrdiff_t>(u) * n;
+      std::uint8_t* sums = row.sums + static_cast<std::ptrdiff_t>(u) * n;
+      std::uint8_t* row_sums = memory.row_sums + static_cast<std::ptrdiff_t>(u) * n;
+      const auto cost_of = [&](int k) HWY_ATTR {
+        const auto cost = Hamming(d, words, row, right_u + k);
+        if constexpr (kSums == Sums::kSet) hn::Store(cost, d, costs + k);
+        return cost;
+      };
+      const auto use = [&](int k, hn::Vec<D> value) HWY_ATTR {
+        if constexpr (kSums == Sums::kSet) hn::Store(value, d, sums + k);
+        if constexpr (kSums == Sums::kAdd)
+          hn::Store(hn::SaturatedAdd(value, hn::Load(d, sums + k)), d, row_sums + k);
+      };
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(u) * (n + kPathPadding);
+      least[i] = Step<kVectors>(d, n, memory.paths[0] + at + Shift(row.first_before[u], row.first[u]),
+                                memory.paths[1] + at, p1, row.p2[u], memory.minima[u], cost_of, use);
+    }
+    hn::StoreU(MinimumOfEach(least), Tag16(), memory.minima + u0);
+  }
+}
+
+/// The paths from the left and from the right through kRowsTogether rows in lockstep: the latency of a step
+/// is hidden by the other rows'. `rows` may name one row more than once only if its result is not needed.
+template <int kVectors, class D>
+void HorizontalRows(D d, const RowPointers* rows, int width, int n, std::uint8_t p1) {
+  constexpr int kNumPaths = 2 * kRowsTogether;
+  constexpr int kPathBytes = kPathPadding + 256 + kPathPadding;
+  HWY_ALIGN std::uint8_t paths[2][kNumPaths][kPathBytes];
+  HWY_ALIGN std::uint8_t minima[kNumPaths] = {};
+  std::memset(paths, 255, sizeof(paths));
+  for (auto& path : paths[1]) std::memset(path + kPathPadding, 0, static_cast<std::size_t>(n));
+  for (int i = 0; i < width; ++i) {
+    hn::Vec<Tag16> least[kNumPaths];
+    for (int r = 0; r < kRowsTogether; ++r)
+      for (int side = 0; side < 2; ++side) {
+        const RowPointers& row = rows[r];
+        const int u = side == 0 ? i : width - 1 - i;
+        const int u_before = std::clamp(side == 0 ? u - 1 : u + 1, 0, width - 1);
+        const std::uint8_t* costs = row.costs + static_cast<std::ptrdiff_t>(u) * n;
+        std::uint8_t* sums = row.sums + static_cast<std::ptrdiff_t>(u) * n;
+        const auto cost_of = [&](int k) HWY_ATTR { return hn::Load(d, costs + k); };
+        const auto use = [&](int k, hn::Vec<D> value) HWY_ATTR {
+          hn::Store(hn::SaturatedAdd(value, hn::Load(d, sums + k)), d, sums + k);
+        };
+        const int path = 2 * r + side;
+        least[path] = Step<kVectors>(
+            d, n, paths[(i + 1) & 1][path] + kPathPadding + Shift(row.first[u_before], row.first[u]),
+            paths[i & 1][path] + kPathPadding, p1, row.p2[u + side], minima[path], cost_of, use);
+      }
+    hn::Store(MinimumOfEach(least), Tag16(), minima);
+  }
+}
+
+template <int kVectors, class D>
+void AggregateWith(D d, const MatchingProblem& problem, const Strip& strip,
+                   const PathAggregator::UseRow& use_row, StripMemory memory) {
+  const CensusImage& left = *problem.left;
+  const CensusImage& right = *problem.right;
+  const int width = left.width();
+  const std::uint8_t p1 = static_cast<std::uint8_t>(problem.p1);
+  const int n = strip.num_disparities;
+  const std::size_t path_bytes = static_cast<std::size_t>(n) + kPathPadding;
+
+  const auto row_of = [&](int v, int v_before) {
+    RowPointers row;
+    for (int p = 0; p < CensusImage::kNumPlanes; ++p)
+      row.left[p] = left.Row(v, p), row.right[p] = right.Row(v, p);
+    row.p2 = problem.step_penalties->FromAbove(std::max(v, v_before));
+    row.first = problem.ranges->First(v);
+    row.first_before = problem.ranges->First(v_before);
+    const std::ptrdiff_t in_strip = std::clamp(v, strip.top, strip.bottom - 1) - strip.top;
+    row.costs = memory.costs + (in_strip % kRowsTogether) * static_cast<std::ptrdiff_t>(memory.row_bytes);
+    row.sums = memory.sums + in_strip * static_cast<std::ptrdiff_t>(memory.row_bytes);
+    return row;
+  };
+  const auto start_paths = [&] {
+    for (std::uint8_t* path : memory.paths)
+      for (int u = -1; u < memory.padded_width; ++u, path += path_bytes) {
+        std::memset(path - kPathPadding, 255, kPathPadding);
+        std::memset(path, 0, u + 1 < memory.padded_width ? n : 0);
+      }
+    std::memset(memory.minima, 0, memory.padded_width);
+  };
+  const auto horizontal_paths = [&](int top) {
+    RowPointers rows[kRowsTogether];
+    for (int r = 0; r < kRowsTogether; ++r) {
+      const int v = std::min(top + r, strip.bottom - 1);
+      rows[r] = row_of(v, v);
+      rows[r].p2 = problem.step_penalties->FromLeft(v);
+      if (top + r >= strip.bottom)  // a row nobody reads, behind the strip's own
+        rows[r].sums = memory.sums + static_cast<std::size_t>(strip.bottom - strip.top) * memory.row_bytes;
+    }
+    HorizontalRows<kVectors>(d, rows, width, n, p1);
+  };
+
+  start_paths();
+  const int lowest = std::min(strip.bottom + strip.lead_in, left.height()) - 1;
+  for (int v = lowest; v >= strip.top; --v) {
+    const RowPointers row = row_of(v, std::min(v + 1, lowest));
+    if (v >= strip.bottom)
+      VerticalRow<kVectors, Sums::kNone>(d, row, width, n, p1, memory);
+    else
+      VerticalRow<kVectors, Sums::kSet>(d, row, width, n, p1, memory);
+    std::swap(memory.paths[0], memory.paths[1]);
+    // While costs and sums are still in the cache.
+    if (v < strip.bottom && (v - strip.top) % kRowsTogether == 0) horizontal_paths(v);
+  }
+  start_paths();
+  const int highest = std::max(strip.top - strip.lead_in, 0);
+  for (int v = highest; v < strip.bottom; ++v) {
+    const RowPointers row = row_of(v, std::max(v - 1, highest));
+    if (v < strip.top)
+      VerticalRow<kVectors, Sums::kNone>(d, row, width, n, p1, memory);
+    else
+      VerticalRow<kVectors, Sums::kAdd>(d, row, width, n, p1, memory);
+    if (v >= strip.top) use_row(v, memory.row_sums);
+    std::swap(memory.paths[0], memory.paths[1]);
+  }
+}
+
+void AggregateStrip(const MatchingProblem& problem, const Strip& strip, const PathAggregator::UseRow& use_row,
+                    const StripMemory& memory) {
+  // The widest vectors that the disparities of a pixel fill; the usual numbers of them without a loop.
+  const int n = strip.num_disparities;
+  if (n % 64 == 0) {
+    const ByteTag<64> d;
+    const int num_vectors = n / static_cast<int>(hn::MaxLanes(d));
+    if (num_vectors == 1) return AggregateWith<1>(d, problem, strip, use_row, memory);
+    if (num_vectors == 2) return AggregateWith<2>(d, problem, strip, use_row, memory);
+    AggregateWith<0>(d, problem, strip, use_row, memory);
+  } else if (n % 32 == 0) {
+    const ByteTag<32> d;
+    if (n == static_cast<int>(hn::MaxLanes(d))) return AggregateWith<1>(d, problem, strip, use_row, memory);
+    AggregateWith<0>(d, problem, strip, use_row, memory);
+  } else {
+    AggregateWith<0>(ByteTag<16>(), problem, strip, use_row, memory);
+  }
+}
+
+void StepPenaltyRow(const std::uint8_t* pixel, const std::uint8_t* neighbour, int width, std::uint8_t p2_max,
+                    std::uint8_t p2_min, std::uint8_t* p2) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto most = hn::Set(d, p2_max), least = hn::Set(d, p2_min);
+  const auto store = [&](int u) HWY_ATTR {
+    const auto a = hn::LoadU(d, pixel + u), b = hn::LoadU(d, neighbour + u);
+    const auto difference = hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a));
+    hn::StoreU(hn::Max(least, hn::SaturatedSub(most, difference)), d, p2 + u);
+  };
+  int u = 0;
+  for (; u + lanes <= width; u += lanes) store(u);
+  for (; u < width; ++u) {
+    const int difference = pixel[u] > neighbour[u] ? pixel[u] - neighbour[u] : neighbour[u] - pixel[u];
+    p2[u] = static_cast<std::uint8_t>(std::max<int>(p2_min, p2_max - difference));
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace terrace
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace terrace {
+HWY_EXPORT(AggregateStrip);
+HWY_EXPORT(StepPenaltyRow);
+
+void StepPenalties::Compute(const cv::Mat1b& image, const PathPenalties& penalties) {
+  TERRACE_CHECK(0 <= penalties.p1 && penalties.p1 <= penalties.p2_min &&
+                    penalties.p2_min <= penalties.p2_max && penalties.p2_max <= 50,
+                penalties.p1, penalties.p2_min, penalties.p2_max);
+  stride_ = static_cast<std::size_t>((image.cols + 1 + 63) / 64 * 64);
+  bytes_.Reserve(2 * stride_ * image.rows);
+  const std::uint8_t p2_max = static_cast<std::uint8_t>(penalties.p2_max);
+  const std::uint8_t p2_min = static_cast<std::uint8_t>(penalties.p2_min);
+  for (int v = 0; v < image.rows; ++v) {
+    std::uint8_t* from_left = bytes_.data() + 2 * static_cast<std::size_t>(v) * stride_;
+    std::uint8_t* from_above = from_left + stride_;
+    HWY_DYNAMIC_DISPATCH(StepPenaltyRow)
+    (image[v] + 1, image[v], image.cols - 1, p2_max, p2_min, from_left + 1);
+    HWY_DYNAMIC_DISPATCH(StepPenaltyRow)
+    (image[v], image[std::max(v - 1, 0)], image.cols, p2_max, p2_min, from_above);
+    // No step comes from outside; the vertical paths run on to a multiple of 16 pixels.
+    from_left[0] = p2_max;
+    std::memset(from_left + image.cols, p2_max, stride_ - image.cols);
+    std::memset(from_above + image.cols, p2_max, stride_ - image.cols);
+  }
+}
+
+void DisparityRanges::Set(int width, int height, int first) {
+  width_ = (width + kBlock - 1) / kBlock * kBlock;
+  max_first_ = first;
+  uniform_ = true;
+  first_.assign(static_cast<std::size_t>(width_) * height, static_cast<std::int16_t>(first));
+}
+
+void DisparityRanges::Set(const cv::Mat_<std::int16_t>& first) {
+  width_ = (first.cols + kBlock - 1) / kBlock * kBlock;
+  first_.resize(static_cast<std::size_t>(width_) * first.rows);
+  max_first_ = 0;
+  uniform_ = false;
+  for (int v = 0; v < first.rows; ++v) {
+    std::int16_t* row = first_.data() + static_cast<std::size_t>(v) * width_;
+    for (int u = 0; u < width_; ++u) row[u] = first(v, std::min(u, first.cols - 1));
+    for (int u = 0; u < first.cols; ++u) max_first_ = std::max<int>(max_first_, row[u]);
+  }
+}
+
+void PathAggregator::Aggregate(const MatchingProblem& problem, const Strip& strip, const UseRow& use_row) {
+  const CensusImage& left = *problem.left;
+  TERRACE_CHECK(left.width() == problem.right->width() && left.height() == problem.right->height());
+  TERRACE_CHECK(strip.num_disparities % 16 == 0 && strip.num_disparities >= 16, strip.num_disparities);
+  TERRACE_CHECK(problem.ranges->max_first() + strip.num_disparities <= 256 + 16, problem.ranges->max_first());
+  TERRACE_CHECK(problem.ranges->uniform() || strip.num_disparities <= kMaxRangeThatShifts,
+                strip.num_disparities);
+  TERRACE_CHECK(0 <= strip.top && strip.top < strip.bottom && strip.bottom <= left.height());
+  const std::size_t padded_width = static_cast<std::size_t>((left.width() + kBlock - 1) / kBlock * kBlock);
+  const std::size_t row_bytes = padded_width * strip.num_disparities;
+  const std::size_t num_rows = static_cast<std::size_t>(strip.bottom - strip.top);
+  const std::size_t path_row = padded_width * (strip.num_disparities + kPathPadding);
+  StripMemory memory;
+  memory.costs = costs_.Reserve(kRowsTogether * row_bytes);
+  memory.sums = sums_.Reserve((num_rows + 1) * row_bytes);
+  memory.paths[0] = paths_.Reserve(2 * (kPathPadding + path_row)) + kPathPadding;
+  memory.paths[1] = memory.paths[0] + path_row + kPathPadding;
+  memory.minima = path_minima_.Reserve(padded_width);
+  memory.row_sums = row_sums_.Reserve(row_bytes);
+  memory.row_bytes = row_bytes;
+  memory.padded_width = static_cast<int>(padded_width);
+  HWY_DYNAMIC_DISPATCH(AggregateStrip)(problem, strip, use_row, memory);
+}
+
+}  // namespace terrace
+#endif  // HWY_ONCE

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace terrace {
+
+/// How sure the best sum of a pixel must be.
+struct WinnerRules {
+  /// No disparity further than one from the best may have a sum below best * (1 + this / 100).
+  int uniqueness_percent = 5;
+  /// Greatest difference between the disparities of the two views; negative: not checked.
+  int max_left_right_error = 1;
+};
+
+/// What to choose from: the summed costs of one row as PathAggregator gives them.
+struct SumsRow {
+  const std::uint8_t* sums = nullptr;
+  int width = 0;
+  int num_disparities = 0;
+  const std::int16_t* first = nullptr;  ///< disparity of each pixel's range
+};
+
+/// Chooses the disparities of both views.
+class WinnerChooser {
+ public:
+  explicit WinnerChooser(const WinnerRules& rules);
+
+  /// The disparity of every pixel of a row, between the whole numbers by a parabola through the best sum and
+  /// its neighbours; NaN where it is not unique, where the two views disagree, or where it leads out of the
+  /// right image.
+  void Choose(const SumsRow& row, float* disparity);
+
+  /// The best of a pixel's sums and where it stands.
+  struct Winner {
+    std::uint8_t index;
+    std::uint8_t sum;
+    bool unique;
+  };
+
+ private:
+  WinnerRules rules_;
+  std::array<std::uint8_t, 256> limit_of_sum_;  ///< that a rival must exceed
+  std::vector<Winner> winners_;
+  std::vector<std::int16_t> right_disparity_;
+  std::vector<std::uint8_t> right_sum_;
+};
+
+}  // namespace terrace

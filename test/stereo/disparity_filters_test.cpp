@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/disparity_filters.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace terrace {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+/// Size of each pixel's piece by flooding from it.
+int SlowPieceSize(const cv::Mat1f& disparity, int u, int v, float max_difference) {
+  cv::Mat1b seen = cv::Mat1b::zeros(disparity.rows, disparity.cols);
+  std::vector<cv::Point> todo = {{u, v}};
+  seen(v, u) = 1;
+  int size = 0;
+  while (!todo.empty()) {
+    const cv::Point p = todo.back();
+    todo.pop_back();
+    ++size;
+    for (const cv::Point step : {cv::Point(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+      const cv::Point q = p + step;
+      if (q.x < 0 || q.y < 0 || q.x >= disparity.cols || q.y >= disparity.rows || seen(q)) continue;
+      if (!(std::abs(disparity(q) - disparity(p)) <= max_difference)) continue;
+      seen(q) = 1;
+      todo.push_back(q);
+    }
+  }
+  return size;
+}
+
+TEST(RemoveSpecklesTest, RemovesWhatFloodingFindsTooSmall) {
+  std::mt19937 random(5);
+  cv::Mat1f disparity(24, 31);
+  for (auto& d : disparity) d = random() % 5 == 0 ? kUnknown : static_cast<float>(random() % 4);
+  cv::Mat1f filtered = disparity.clone();
+  RemoveSpeckles(6, 1.0f, filtered);
+  for (int v = 0; v < disparity.rows; ++v)
+    for (int u = 0; u < disparity.cols; ++u) {
+      if (std::isnan(disparity(v, u)) || SlowPieceSize(disparity, u, v, 1.0f) < 6) {
+        EXPECT_TRUE(std::isnan(filtered(v, u))) << u << ' ' << v;
+      } else {
+        EXPECT_EQ(filtered(v, u), disparity(v, u)) << u << ' ' << v;
+      }
+    }
+}
+
+}  // namespace
+}  // namespace terrace

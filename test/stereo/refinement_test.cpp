@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/stereo/every_target.h"
+#include "test/stereo/textured_pair.h"
+
+namespace terrace {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+bool SameBits(const cv::Mat1f& a, const cv::Mat1f& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](float x, float y) {
+           return std::memcmp(&x, &y, sizeof(float)) == 0 || (std::isnan(x) && std::isnan(y));
+         });
+}
+
+/// The plane's disparities, each off by up to `error`, one in ten unknown.
+cv::Mat1f RoughDisparity(int width, int height, const SlantedPlane& plane, double error) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> offset(-error, error);
+  cv::Mat1f rough(height, width);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      rough(v, u) = random() % 10 == 0 ? kUnknown : static_cast<float>(plane.At(u, v) + offset(random));
+  return rough;
+}
+
+TEST(RefinementTest, FindsAPlaneFromRoughDisparitiesDespiteGainAndOffset) {
+  const SlantedPlane plane{6.2, 0.02, 0.03};
+  const Photometry light = {.contrast = 30, .mean = 110, .gain_right = 0.9, .offset_right = 12, .noise = 1.0};
+  const StereoFrame frame = RenderPlane(140, 60, plane, light);
+  cv::Mat1f disparity = RoughDisparity(140, 60, plane, 0.5), sigma;
+  RefineDisparity(frame.left, frame.right, {}, disparity, sigma);
+  double sum = 0.0, squares = 0.0;
+  int count = 0;
+  for (int v = 3; v < 57; ++v)
+    for (int u = 20; u < 137; ++u) {
+      EXPECT_EQ(std::isnan(disparity(v, u)), std::isnan(sigma(v, u)));
+      if (std::isnan(disparity(v, u))) continue;
+      const double error = disparity(v, u) - plane.At(u, v);
+      sum += error, squares += error * error, ++count;
+    }
+  EXPECT_NEAR(sum / count, 0.0, 0.01);  // a few hundred independent windows of 0.06 px each
+  EXPECT_LT(std::sqrt(squares / count), 0.06);
+}
+
+TEST(RefinementTest, GivesTheSameBitsOnEveryTarget) {
+  const SlantedPlane plane{6.2, 0.02, 0.3};
+  const StereoFrame frame = RenderPlane(101, 37, plane);
+  cv::Mat1f rough = RoughDisparity(101, 37, plane, 0.5);
+  for (int v = 10; v < 20; ++v)
+    for (int u = 50; u < 60; ++u) rough(v, u) += 7.0f;  // another surface
+  std::vector<cv::Mat1f> disparities, sigmas;
+  OnEveryTarget([&] {
+    cv::Mat1f disparity = rough.clone(), sigma;
+    RefineDisparity(frame.left, frame.right, {}, disparity, sigma);
+    disparities.push_back(disparity), sigmas.push_back(sigma);
+  });
+  for (std::size_t i = 1; i < disparities.size(); ++i) {
+    EXPECT_TRUE(SameBits(disparities[0], disparities[i])) << i;
+    EXPECT_TRUE(SameBits(sigmas[0], sigmas[i])) << i;
+  }
+}
+
+TEST(RefinementTest, DoesNotMixTwoSurfaces) {
+  // A texture at 5 px stands before one at 12 px; the window at the border takes its own side only.
+  const StereoFrame far_frame = RenderPlane(120, 40, {5.0, 0, 0}, {}, 1);
+  const StereoFrame near_frame = RenderPlane(120, 40, {12.0, 0, 0}, {}, 2);
+  StereoFrame frame = far_frame;
+  cv::Mat1f disparity(40, 120, 5.0f), sigma;
+  for (int v = 0; v < 40; ++v)
+    for (int u = 60; u < 120; ++u) {
+      frame.left(v, u) = near_frame.left(v, u);
+      if (u - 12 < 108) frame.right(v, u - 12) = near_frame.right(v, u - 12);
+      disparity(v, u) = 12.3f;
+    }
+  RefineDisparity(frame.left, frame.right, {}, disparity, sigma);
+  std::vector<float> found;
+  for (int v = 5; v < 35; ++v) found.push_back(disparity(v, 61));
+  std::nth_element(found.begin(), found.begin() + 15, found.end());
+  EXPECT_NEAR(found[15], 12.0, 0.1);
+}
+
+}  // namespace
+}  // namespace terrace
