@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "terrace " TERRACE_VERSION);
   app.require_subcommand(1);
   terrace::AddConvertCommand(app);
+  terrace::AddDisparityCommand(app);
   terrace::AddDrawCommand(app);
   terrace::AddEvaluateCommand(app);
   terrace::AddInfoCommand(app);
