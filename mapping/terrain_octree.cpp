@@ -5,8 +5,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <set>
 #include <stdexcept>
-#include <unordered_map>
 
 #include <octomap/AbstractOcTree.h>
 #include <octomap/OcTreeBaseImpl.h>
@@ -62,7 +63,11 @@ struct Leaf {
   PointMoments moments;
   Eigen::Vector3f view_sum = Eigen::Vector3f::Zero();  // weight * unit direction of view
   float num_frames = 0.0F;                             // that put points into it
-  float num_views = 0.0F;                              // that had it in view, nothing in front of it
+  // Frames that had it in view, nothing in front of it, when its turn came to be checked; and those of them
+  // that put points into it.
+  float num_views = 0.0F;
+  float num_hits = 0.0F;
+  FrameId hit_frame = -1;
   float spacing_m = 0.0F;
   int level = 0;
   bool occupied = false;
@@ -72,8 +77,8 @@ struct Leaf {
 struct Cell {
   float weight = 0.0F;         // all that was ever added
   float fitted_weight = 0.0F;  // `weight` when the cell was last reported
-  bool leaves_changed = false;
-  FrameId reported_frame = 0;
+  int num_changed_leaves = 0;  // occupied or no longer, since it was last reported
+  FrameId reported_frame = -1000;
   FrameId touched_frame = -1;
 };
 
@@ -266,11 +271,20 @@ class TerrainOctree::Impl {
   void SumPoints(const Cloud& cloud, const Eigen::Isometry3d& T_world_left) {
     frame_leaves_.Clear();
     std::fill(tile_disparity_.begin(), tile_disparity_.end(), 0.0F);
-    const Eigen::Matrix3d R = T_world_left.linear();
-    const Eigen::Vector3d t = T_world_left.translation();
+    // In units of the finest leaf, from OctoMap's lowest corner; the camera's own leaf is split off, so that
+    // floats suffice for what is left.
     const double leaves_per_m = 1.0 / config_.leaf_size_m;
+    const Eigen::Vector3d camera_leaves =
+        T_world_left.translation() * leaves_per_m + Eigen::Vector3d::Constant(kKeyOffset);
+    if (!(camera_leaves.minCoeff() >= 0.0 && camera_leaves.maxCoeff() < 2 * kKeyOffset)) return;
+    const Eigen::Vector3i camera_leaf = camera_leaves.cast<int>();
+    const Eigen::Vector3f in_camera_leaf = (camera_leaves - camera_leaf.cast<double>()).cast<float>();
+    const Eigen::Matrix3f R = (T_world_left.linear() * leaves_per_m).cast<float>();
     const float pose_variance = static_cast<float>(config_.pose_sigma_m * config_.pose_sigma_m);
     const float leaf_m = static_cast<float>(config_.leaf_size_m);
+    const float fx = static_cast<float>(camera_.fx), fy = static_cast<float>(camera_.fy);
+    const float cx = static_cast<float>(camera_.cx), cy = static_cast<float>(camera_.cy);
+    const float width = static_cast<float>(camera_.width), height = static_cast<float>(camera_.height);
     const float fb = static_cast<float>(camera_.fx * camera_.baseline_m);
     // Level l is used while a leaf is min_leaf_px wide: z <= max_z[l].
     std::array<float, 8> max_z{};
@@ -278,44 +292,49 @@ class TerrainOctree::Impl {
       max_z[level] =
           static_cast<float>(config_.leaf_size_m * (1 << level) * camera_.fx / config_.min_leaf_px);
     for (const CloudPoint& point : cloud.points) {
-      const float z = point.p_left.z();
+      const float inverse_z = 1.0F / point.p_left.z();
+      const float u = fx * point.p_left.x() * inverse_z + cx + 0.5F;
+      const float v = fy * point.p_left.y() * inverse_z + cy + 0.5F;
       const float variance = point.sigma_depth_m * point.sigma_depth_m + pose_variance;
-      const Eigen::Vector3d p = R * point.p_left.cast<double>() + t;
-      const Eigen::Vector3d in_leaves = p * leaves_per_m;
+      const Eigen::Vector3f p = R * point.p_left + in_camera_leaf;
       // Also false for anything that is not a number.
-      if (!(z > 0.0F && variance > 0.0F && in_leaves.cwiseAbs().maxCoeff() < kKeyOffset - 1)) continue;
+      if (!(inverse_z > 0.0F && variance > 0.0F && p.cwiseAbs().maxCoeff() < kKeyOffset && u >= 0.0F &&
+            v >= 0.0F && u < width && v < height))
+        continue;
+      const int column = static_cast<int>(u), row = static_cast<int>(v);
+      // Neighbouring pixels err alike: like the white fields of a chessboard, half of them say as much as
+      // all.
+      if (((column ^ row) & 1) != 0) continue;
       int level = 0;
-      while (level < max_level_ && z > max_z[level]) ++level;
-      std::array<int, 3> index{};
-      Eigen::Vector3f offset;
+      while (level < max_level_ && point.p_left.z() > max_z[level]) ++level;
+      const Eigen::Array3f floor = p.array().floor();
+      Eigen::Vector3i index = camera_leaf + floor.cast<int>().matrix();
+      if (index.minCoeff() < 0 || index.maxCoeff() >= 2 * kKeyOffset) continue;
+      Eigen::Vector3f offset =
+          p - floor.matrix() - Eigen::Vector3f::Constant(0.5F * static_cast<float>(1 << level));
       for (int i = 0; i < 3; ++i) {
-        index[i] = (static_cast<int>(in_leaves[i] + kKeyOffset) >> level) << level;
-        offset[i] = (static_cast<float>(in_leaves[i] + kKeyOffset - index[i]) - 0.5F * (1 << level)) * leaf_m;
+        const int low = (index[i] >> level) << level;
+        offset[i] += static_cast<float>(index[i] - low);
+        index[i] = low;
       }
-      FrameLeaf& leaf = frame_leaves_.At(octomap::OcTreeKey(static_cast<octomap::key_type>(index[0]),
-                                                            static_cast<octomap::key_type>(index[1]),
-                                                            static_cast<octomap::key_type>(index[2])),
-                                         level);
-      leaf.moments.Add(1.0F / variance, offset);
-      const Eigen::Vector2d uv = camera_.Project(point.p_left.cast<double>());
-      const int tile_u = static_cast<int>(uv.x() + 0.5) / kTilePx;
-      const int tile_v = static_cast<int>(uv.y() + 0.5) / kTilePx;
-      if (tile_u >= 0 && tile_v >= 0 && tile_u < tiles_x_ && tile_v < tiles_y_) {
-        float& tile = tile_disparity_[static_cast<std::size_t>(tile_v) * tiles_x_ + tile_u];
-        tile = std::max(tile, fb / z);
-      }
+      FrameLeaf& leaf = frame_leaves_.At(KeyAt(index), level);
+      leaf.moments.Add(1.0F / variance, offset * leaf_m);
+      float& tile = tile_disparity_[static_cast<std::size_t>(row / kTilePx) * tiles_x_ + column / kTilePx];
+      tile = std::max(tile, fb * inverse_z);
     }
+  }
+
+  static octomap::OcTreeKey KeyAt(const Eigen::Vector3i& index) {
+    return {static_cast<octomap::key_type>(index.x()), static_cast<octomap::key_type>(index.y()),
+            static_cast<octomap::key_type>(index.z())};
   }
 
   void AddToTree(FrameId frame_id, const Eigen::Vector3d& camera_world) {
     for (const FrameLeaf& seen : frame_leaves_.leaves()) {
       Node* node = CellNodeOf(seen.key);
       Cell& cell = cells_[node->getValue()];
-      if (cell.touched_frame != frame_id) {
-        cell.touched_frame = frame_id;
-        touched_.push_back(KeyOf(seen.key));
-      }
       cell.weight += seen.moments.weight;
+      Touch(KeyOf(seen.key), frame_id, &cell);
       // Down to the leaf. A coarse leaf on the way, seen from afar, gives way to the finer one.
       const unsigned depth = kTreeDepth - static_cast<unsigned>(seen.level);
       for (unsigned child_depth = cell_depth_ + 1; child_depth <= depth; ++child_depth) {
@@ -335,17 +354,23 @@ class TerrainOctree::Impl {
         node->setValue(leaves_.Take());
         leaves_[node->getValue()].level = seen.level;
       }
-      AddToLeaf(seen, camera_world, &leaves_[node->getValue()]);
+      AddToLeaf(seen, frame_id, camera_world, &leaves_[node->getValue()]);
     }
   }
 
-  void AddToLeaf(const FrameLeaf& seen, const Eigen::Vector3d& camera_world, Leaf* leaf) const {
+  void Touch(const CellKey& key, FrameId frame_id, Cell* cell) {
+    if (cell->touched_frame == frame_id) return;
+    cell->touched_frame = frame_id;
+    touched_.push_back(key);
+  }
+
+  void AddToLeaf(const FrameLeaf& seen, FrameId frame_id, const Eigen::Vector3d& camera_world,
+                 Leaf* leaf) const {
     if (leaf->num_frames >= static_cast<float>(config_.memory_frames)) {
       const float fade = 1.0F - 1.0F / static_cast<float>(config_.memory_frames);
       leaf->moments.Scale(fade);
       leaf->view_sum *= fade;
       leaf->num_frames *= fade;
-      leaf->num_views *= fade;
     }
     const double half = 0.5 * (1 << seen.level);
     const Eigen::Vector3d centre =
@@ -356,6 +381,7 @@ class TerrainOctree::Impl {
     leaf->view_sum += seen.moments.weight / std::max(range, 1e-3F) * ray.cast<float>();
     leaf->moments.Add(seen.moments);
     leaf->num_frames += 1.0F;
+    leaf->hit_frame = frame_id;
     const float spacing = range / static_cast<float>(camera_.fx);
     if (leaf->spacing_m == 0.0F || spacing < leaf->spacing_m) leaf->spacing_m = spacing;
     leaf->credit = std::min(leaf->credit + 1, config_.free_frames);
@@ -364,110 +390,149 @@ class TerrainOctree::Impl {
   /// Walks the octree inside the field of view and clears leaves behind which the image shows something.
   void ClearFreeSpace(FrameId frame_id, const Eigen::Isometry3d& T_world_left) {
     Node* root = tree_.getRoot();
-    if (root == nullptr) return;
-    T_left_world_ = T_world_left.inverse();
     float least = std::numeric_limits<float>::infinity();
     for (const float disparity : tile_disparity_)
       if (disparity > 0.0F) least = std::min(least, disparity);
-    if (!std::isfinite(least)) return;
-    farthest_m_ = camera_.Depth(least);
+    if (root == nullptr || !std::isfinite(least)) return;
+    WidenTiles();
     frame_id_ = frame_id;
-    ClearBelow(root, 0, {0, 0, 0});
-  }
-
-  /// Returns true when the node holds nothing any more.
-  bool ClearBelow(Node* node, unsigned depth, const Eigen::Vector3i& corner) {
-    const int size = 1 << (kTreeDepth - depth);
-    const Eigen::Vector3d centre_world =
-        config_.leaf_size_m * (corner.cast<double>() + Eigen::Vector3d::Constant(0.5 * size - kKeyOffset));
-    const Eigen::Vector3d centre = T_left_world_ * centre_world;
-    const double radius = 0.5 * std::sqrt(3.0) * size * config_.leaf_size_m;
-    if (!InView(centre, radius)) return false;
-    if (depth == cell_depth_) cell_in_view_ = node;
-    if (depth > cell_depth_ && node->getValue() != kNothing) {
-      Leaf& leaf = leaves_[node->getValue()];
-      const bool was_occupied = leaf.occupied;
-      const View view = ViewOf(centre, radius);
-      if (view != View::kNone) leaf.num_views += 1.0F;
-      const bool cleared = view == View::kThrough && --leaf.credit < 0;
-      leaf.occupied = !cleared && IsOccupied(leaf);
-      if (leaf.occupied != was_occupied) {
-        Cell& cell = cells_[cell_in_view_->getValue()];
-        cell.leaves_changed = true;
-        if (cell.touched_frame != frame_id_) {
-          cell.touched_frame = frame_id_;
-          touched_.push_back(KeyOf(octomap::OcTreeKey(static_cast<octomap::key_type>(corner.x()),
-                                                      static_cast<octomap::key_type>(corner.y()),
-                                                      static_cast<octomap::key_type>(corner.z()))));
-        }
-      }
-      if (cleared) {
-        leaves_.GiveBack(node->getValue());
-        node->setValue(kNothing);
-      }
-    }
-    if (depth < kTreeDepth && tree_.nodeHasChildren(node)) {
-      for (unsigned child = 0; child < 8; ++child) {
-        if (!tree_.nodeChildExists(node, child)) continue;
-        const Eigen::Vector3i child_corner =
-            corner + size / 2 * Eigen::Vector3i(child & 1U, (child >> 1U) & 1U, (child >> 2U) & 1U);
-        // Cells stay, empty or not: they remember that their emptiness must still be reported.
-        if (ClearBelow(tree_.getNodeChild(node, child), depth + 1, child_corner) && depth >= cell_depth_)
-          tree_.deleteNodeChild(node, child);
-      }
-      if (depth > cell_depth_ && !HasAnyChild(node)) return node->getValue() == kNothing;
-      return false;
-    }
-    return depth > cell_depth_ && node->getValue() == kNothing;
-  }
-
-  bool HasAnyChild(const Node* node) const { return tree_.nodeHasChildren(node); }
-
-  bool InView(const Eigen::Vector3d& centre, double radius) const {
-    if (centre.z() + radius <= 0.0 || centre.z() - radius > farthest_m_) return false;
-    // Outside one of the four planes through the camera and an edge of the image.
+    T_left_world_ = T_world_left.inverse();
+    R_left_leaves_ = (T_left_world_.linear() * config_.leaf_size_m).cast<float>();
+    farthest_m_ = camera_.Depth(least);
+    // Inward normals of the planes through the camera and an edge of the image.
     const double left = -camera_.cx / camera_.fx, right = (camera_.width - 1 - camera_.cx) / camera_.fx;
     const double top = -camera_.cy / camera_.fy, bottom = (camera_.height - 1 - camera_.cy) / camera_.fy;
-    const double z = centre.z();
-    return centre.x() - left * z > -radius * std::hypot(1.0, left) &&
-           right * z - centre.x() > -radius * std::hypot(1.0, right) &&
-           centre.y() - top * z > -radius * std::hypot(1.0, top) &&
-           bottom * z - centre.y() > -radius * std::hypot(1.0, bottom);
+    sides_ = {Eigen::Vector3d(1, 0, -left).normalized(), Eigen::Vector3d(-1, 0, right).normalized(),
+              Eigen::Vector3d(0, 1, -top).normalized(), Eigen::Vector3d(0, -1, bottom).normalized()};
+    CheckCells(root, 0, Eigen::Vector3i::Zero());
+  }
+
+  /// Each tile gets the nearest of itself and its right and lower neighbours; unknown where one of them is.
+  void WidenTiles() {
+    for (int y = 0; y < tiles_y_; ++y) {
+      for (int x = 0; x < tiles_x_; ++x) {
+        float* tile = &tile_disparity_[static_cast<std::size_t>(y) * tiles_x_ + x];
+        if (x + 1 >= tiles_x_ || y + 1 >= tiles_y_) {
+          *tile = 0.0F;
+          continue;
+        }
+        const std::array<float, 4> d{tile[0], tile[1], tile[tiles_x_], tile[tiles_x_ + 1]};
+        *tile = *std::min_element(d.begin(), d.end()) > 0.0F ? *std::max_element(d.begin(), d.end()) : 0.0F;
+      }
+    }
+  }
+
+  void CheckCells(Node* node, unsigned depth, const Eigen::Vector3i& corner) {
+    const int size = 1 << (kTreeDepth - depth);
+    const Eigen::Vector3d centre =
+        T_left_world_ *
+        (config_.leaf_size_m * (corner.cast<double>() + Eigen::Vector3d::Constant(0.5 * size - kKeyOffset)));
+    const double radius = 0.5 * std::sqrt(3.0) * size * config_.leaf_size_m;
+    if (centre.z() + radius <= 0.0 || centre.z() - radius > farthest_m_) return;
+    for (const Eigen::Vector3d& side : sides_)
+      if (side.dot(centre) < -radius) return;
+    if (depth == cell_depth_) {
+      const CellKey key = KeyOf(KeyAt(corner));
+      // Cells take turns, so that a frame checks one in kTurns.
+      if (((key.x + key.y + key.z + frame_id_) & (kTurns - 1)) != 0) return;
+      Cell& cell = cells_[node->getValue()];
+      const int before = cell.num_changed_leaves;
+      CheckLeaves(node, depth, centre.cast<float>(), &cell);
+      if (cell.num_changed_leaves != before) Touch(key, frame_id_, &cell);
+      return;
+    }
+    for (unsigned child = 0; child < 8; ++child)
+      if (tree_.nodeChildExists(node, child))
+        CheckCells(tree_.getNodeChild(node, child), depth + 1, corner + size / 2 * Octant(child));
+  }
+
+  /// Checks everything below a node; children that hold nothing any more are deleted. `centre` is the node's,
+  /// in the left frame.
+  void CheckLeaves(Node* node, unsigned depth, const Eigen::Vector3f& centre, Cell* cell) {
+    if (depth > cell_depth_ && node->getValue() != kNothing) CheckLeaf(node, depth, centre, cell);
+    if (depth == kTreeDepth || !tree_.nodeHasChildren(node)) return;
+    const float quarter = 0.25F * static_cast<float>(1 << (kTreeDepth - depth));
+    for (unsigned child = 0; child < 8; ++child) {
+      if (!tree_.nodeChildExists(node, child)) continue;
+      Node* below = tree_.getNodeChild(node, child);
+      const Eigen::Vector3f towards = 2.0F * Octant(child).cast<float>() - Eigen::Vector3f::Ones();
+      CheckLeaves(below, depth + 1, centre + R_left_leaves_ * (quarter * towards), cell);
+      if (below->getValue() == kNothing && (depth + 1 == kTreeDepth || !tree_.nodeHasChildren(below)))
+        tree_.deleteNodeChild(node, child);
+    }
+  }
+
+  void CheckLeaf(Node* node, unsigned depth, const Eigen::Vector3f& centre, Cell* cell) {
+    Leaf& leaf = leaves_[node->getValue()];
+    const float radius =
+        0.87F * static_cast<float>(1 << (kTreeDepth - depth)) * static_cast<float>(config_.leaf_size_m);
+    const View view = ViewOf(centre, radius);
+    if (view != View::kNone) {
+      leaf.num_views += 1.0F;
+      if (leaf.hit_frame == frame_id_) leaf.num_hits += 1.0F;
+      if (leaf.num_views > static_cast<float>(config_.memory_frames)) {
+        leaf.num_views *= 0.5F;
+        leaf.num_hits *= 0.5F;
+      }
+    }
+    const bool was_occupied = leaf.occupied;
+    const bool cleared = view == View::kThrough && --leaf.credit < 0;
+    leaf.occupied = !cleared && IsOccupied(leaf);
+    if (leaf.occupied != was_occupied) ++cell->num_changed_leaves;
+    if (!cleared) return;
+    leaves_.GiveBack(node->getValue());
+    node->setValue(kNothing);
+  }
+
+  static Eigen::Vector3i Octant(unsigned child) {
+    return Eigen::Vector3i(child & 1U, (child >> 1U) & 1U, (child >> 2U) & 1U);
   }
 
   enum class View { kNone, kOnto, kThrough };
 
   /// What the image says of a place: nothing, or that something may be there, or that it looked through.
-  View ViewOf(const Eigen::Vector3d& centre, double radius) const {
-    if (centre.z() <= 0.05) return View::kNone;
-    const Eigen::Vector2d uv = camera_.Project(centre);
-    const int u = static_cast<int>(std::floor((uv.x() + 0.5) / kTilePx - 0.5));
-    const int v = static_cast<int>(std::floor((uv.y() + 0.5) / kTilePx - 0.5));
-    if (u < 0 || v < 0 || u + 1 >= tiles_x_ || v + 1 >= tiles_y_) return View::kNone;
-    float nearest = 0.0F;  // over the four tiles around; one without points proves nothing
-    for (const int dv : {0, 1}) {
-      for (const int du : {0, 1}) {
-        const float disparity = tile_disparity_[static_cast<std::size_t>(v + dv) * tiles_x_ + u + du];
-        if (disparity == 0.0F) return View::kNone;
-        nearest = std::max(nearest, disparity);
-      }
-    }
-    if (camera_.Disparity(centre.z() + radius) > nearest + config_.free_margin_px) return View::kThrough;
-    const double near_end = std::max(0.05, centre.z() - radius);
-    return nearest > camera_.Disparity(near_end) + config_.free_margin_px ? View::kNone : View::kOnto;
+  View ViewOf(const Eigen::Vector3f& centre, float radius) const {
+    if (centre.z() <= radius + 0.02F) return View::kNone;
+    const float inverse_z = 1.0F / centre.z();
+    // The tile whose corner towards its right and lower neighbours is nearest.
+    const float u =
+        (static_cast<float>(camera_.fx) * centre.x() * inverse_z + static_cast<float>(camera_.cx) + 0.5F) /
+            kTilePx -
+        0.5F;
+    const float v =
+        (static_cast<float>(camera_.fy) * centre.y() * inverse_z + static_cast<float>(camera_.cy) + 0.5F) /
+            kTilePx -
+        0.5F;
+    if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(tiles_x_) && v < static_cast<float>(tiles_y_)))
+      return View::kNone;
+    const float nearest =
+        tile_disparity_[static_cast<std::size_t>(v) * tiles_x_ + static_cast<std::size_t>(u)];
+    if (nearest == 0.0F) return View::kNone;
+    const float fb = static_cast<float>(camera_.fx * camera_.baseline_m);
+    const float margin = static_cast<float>(config_.free_margin_px);
+    if (fb / (centre.z() + radius) > nearest + margin) return View::kThrough;
+    return nearest > fb / (centre.z() - radius) + margin ? View::kNone : View::kOnto;
   }
 
+  /// Cells that changed a lot are worth a fit at once; small changes wait a few frames for more.
   void ReportChanged(FrameId frame_id, ChangedCells* changed) {
-    std::sort(touched_.begin(), touched_.end());
     for (const CellKey& key : touched_) {
-      Cell& cell = cells_[FindCell(key)->getValue()];
+      const Cell& cell = cells_[FindCell(key)->getValue()];
       const bool heavier = cell.weight > kWorthAFit * cell.fitted_weight;
       const bool old = frame_id - cell.reported_frame >= config_.memory_frames / 4;
-      if (!cell.leaves_changed && !heavier && !old) continue;
+      if (cell.num_changed_leaves > 0 || heavier || old) waiting_.insert(key);
+    }
+    for (auto at = waiting_.begin(); at != waiting_.end();) {
+      Cell& cell = cells_[FindCell(*at)->getValue()];
+      if (frame_id - cell.reported_frame < kPatience && cell.num_changed_leaves < kManyLeaves) {
+        ++at;
+        continue;
+      }
       cell.fitted_weight = cell.weight;
-      cell.leaves_changed = false;
+      cell.num_changed_leaves = 0;
       cell.reported_frame = frame_id;
-      changed->keys.push_back(key);
+      changed->keys.push_back(*at);
+      at = waiting_.erase(at);
     }
   }
 
@@ -504,7 +569,7 @@ class TerrainOctree::Impl {
   bool IsOccupied(const Leaf& leaf) const {
     return leaf.moments.num_points >= static_cast<float>(config_.min_points) &&
            leaf.num_frames >= static_cast<float>(config_.min_frames) &&
-           leaf.num_frames >= static_cast<float>(config_.min_hit_share) * leaf.num_views;
+           leaf.num_hits >= static_cast<float>(config_.min_hit_share) * leaf.num_views;
   }
 
   /// @param corner  lowest corner in finest leaves, relative to the centre of the cell
@@ -547,7 +612,10 @@ class TerrainOctree::Impl {
     return surfel;
   }
 
-  static constexpr float kWorthAFit = 1.1F;  // a tenth more weight
+  static constexpr float kWorthAFit = 1.2F;  // a fifth more weight
+  static constexpr FrameId kPatience = 4;    // frames between two fits of a cell
+  static constexpr int kManyLeaves = 12;     // that changed and make the next fit urgent
+  static constexpr FrameId kTurns = 2;       // a power of two
 
   const MappingConfig config_;
   const StereoCamera camera_;
@@ -558,7 +626,8 @@ class TerrainOctree::Impl {
   Pool<Leaf> leaves_;
   Pool<Cell> cells_;
   FrameLeaves frame_leaves_;
-  std::vector<CellKey> touched_;
+  std::vector<CellKey> touched_;  // by the frame at hand, each once
+  std::set<CellKey> waiting_;     // for a fit
   CellKey last_cell_key_;
   Node* last_cell_node_ = nullptr;
 
@@ -567,9 +636,10 @@ class TerrainOctree::Impl {
   const int tiles_y_;
   std::vector<float> tile_disparity_;  // greatest, that is nearest, in each tile; 0 = no point
   Eigen::Isometry3d T_left_world_ = Eigen::Isometry3d::Identity();
+  Eigen::Matrix3f R_left_leaves_ = Eigen::Matrix3f::Identity();  // times the size of a leaf
+  std::array<Eigen::Vector3d, 4> sides_;
   double farthest_m_ = 0.0;
   FrameId frame_id_ = 0;
-  Node* cell_in_view_ = nullptr;
 };
 
 TerrainOctree::TerrainOctree(const MappingConfig& config, const StereoCamera& camera) : config_(config) {

@@ -19,7 +19,7 @@ namespace {
 /// camera.
 constexpr float kLeastFacing = 0.03F;
 /// Neighbouring pixels err alike; this many of them say as much as one alone.
-constexpr float kCorrelatedPoints = 8.0F;
+constexpr float kCorrelatedPoints = 4.0F;
 /// Share of the error that all points of a frame have in common (the pose), per frame.
 constexpr float kFrameSigma_m = 0.002F;
 /// A leaf that stands across a plane has a spread of size / sqrt(12) along the normal; one that lies in it
