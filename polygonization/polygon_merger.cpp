@@ -28,6 +28,10 @@ constexpr double kSystematic_m = 0.003;
 constexpr double kMaxExtraAngle_rad = 0.5;
 /// A member leaves its surface only when it fits this much worse than a newcomer may.
 constexpr double kLeaveFactor = 1.5;
+/// A surface is traced after one frame more for every so many cells of it, but at the latest after so many
+/// frames.
+constexpr FrameId kCellsPerFrame = 12;
+constexpr FrameId kMostPatience = 10;
 /// The axes of a surface's outline are laid anew when its normal has turned by this much.
 constexpr double kMaxTurn_rad = 0.03;
 
@@ -72,6 +76,9 @@ struct Surface {
   PlaneAxes axes;
   std::set<CellKey> cells;
   std::vector<PolygonId> polygons;
+  std::vector<PlanarShape> shapes;  // of the polygons, as last traced
+  FrameId traced_frame = 0;
+  bool trace_now = true;  // the shapes are missing or of other axes
 };
 
 /// Standard deviation of the normal that moments alone support, across the narrow side of the patch.
@@ -109,16 +116,16 @@ class PolygonMerger::Impl {
     touched_.clear();
     PolygonUpdate result{update.frame_id, update.t_capture, {}, {}, {}};
     Replace(update);
-    for (int round = 0; round < kRounds && !homeless_.empty(); ++round) {
+    for (int round = 0; round < kRounds && (round == 0 || !homeless_.empty()); ++round) {
       FindHomes();
-      JoinSurfaces();
+      JoinSurfaces(update);
       RefitTouched();
       EvictMisfits();
     }
     for (const MemberRef& ref : homeless_) FoundSurface(ref);
     homeless_.clear();
     RefitTouched();
-    Publish(update.t_capture, &result);
+    Publish(update.frame_id, update.t_capture, &result);
     for (const auto& [id, polygon] : polygons_) result.polygons.push_back(polygon);
     return result;
   }
@@ -297,24 +304,21 @@ class PolygonMerger::Impl {
   }
 
   /// Joins neighbouring surfaces whose points one plane explains.
-  void JoinSurfaces() {
+  void JoinSurfaces(const PatchUpdate& update) {
     RefitTouched();
+    // Pairs that meet in or beside a cell that changed.
     std::set<std::pair<SurfaceId, SurfaceId>> pairs;
-    for (const SurfaceId id : touched_) {
-      const auto found = surfaces_.find(id);
-      if (found == surfaces_.end()) continue;
-      for (const CellKey& key : found->second.cells) {
-        const auto& members = cells_.at(key).members;
-        for (int i = 0; i < static_cast<int>(members.size()); ++i) {
-          const Member& member = members[static_cast<std::size_t>(i)];
-          if (member.surface != id) continue;
-          ForEachNeighbour({key, i}, [&](const MemberRef&, const Member& neighbour) {
-            if (neighbour.surface == kNone || neighbour.surface == id) return;
-            const Surface& other = surfaces_.at(neighbour.surface);
-            if (!Misfit(member, other, 1.0) && !Misfit(neighbour, found->second, 1.0)) return;
-            pairs.insert(std::minmax(id, neighbour.surface));
-          });
-        }
+    for (const PatchUpdate::CellPatches& cell : update.cells) {
+      for (int i = 0; i < static_cast<int>(cell.patches.size()); ++i) {
+        const Member& member = At({cell.key, i});
+        if (member.surface == kNone) continue;
+        const Surface& surface = surfaces_.at(member.surface);
+        ForEachNeighbour({cell.key, i}, [&](const MemberRef&, const Member& neighbour) {
+          if (neighbour.surface == kNone || neighbour.surface == member.surface) return;
+          if (!Misfit(member, surfaces_.at(neighbour.surface), 1.0) && !Misfit(neighbour, surface, 1.0))
+            return;
+          pairs.insert(std::minmax(member.surface, neighbour.surface));
+        });
       }
     }
     for (const auto& [a, b] : pairs) {
@@ -362,6 +366,7 @@ class PolygonMerger::Impl {
     }
     // Its polygons' ids may live on.
     winner.polygons.insert(winner.polygons.end(), loser.polygons.begin(), loser.polygons.end());
+    winner.trace_now = true;
     surfaces_.erase(lose);
     touched_.erase(lose);
     touched_.insert(keep);
@@ -400,6 +405,7 @@ class PolygonMerger::Impl {
   static void Anchor(Surface* surface) {
     surface->anchor_normal = surface->plane_world.normal;
     surface->axes = AxesOf(surface->anchor_normal);
+    surface->trace_now = true;
   }
 
   void EvictMisfits() {
@@ -434,15 +440,30 @@ class PolygonMerger::Impl {
     std::vector<MemberRef> members;
   };
 
-  void Publish(Timestamp t_capture, PolygonUpdate* result) {
+  void Publish(FrameId frame_id, Timestamp t_capture, PolygonUpdate* result) {
     std::vector<Piece> pieces;
     std::set<PolygonId> free_ids;
+    touched_.insert(late_.begin(), late_.end());
+    late_.clear();
     for (const SurfaceId id : touched_) {
       const auto found = surfaces_.find(id);
       if (found == surfaces_.end()) continue;
       Surface& surface = found->second;
+      // Tracing costs as much as the surface is large: a large one is traced in every few frames only, while
+      // its plane follows every frame.
+      const FrameId patience =
+          std::min<FrameId>(kMostPatience, static_cast<FrameId>(surface.cells.size()) / kCellsPerFrame);
+      if (!surface.trace_now && !surface.cells.empty() && frame_id - surface.traced_frame < patience) {
+        late_.insert(id);
+        for (std::size_t i = 0; i < surface.shapes.size(); ++i)
+          Update(surface.polygons[i], surface, surface.shapes[i], t_capture, result);
+        continue;
+      }
       free_ids.insert(surface.polygons.begin(), surface.polygons.end());
       surface.polygons.clear();
+      surface.shapes.clear();
+      surface.trace_now = false;
+      surface.traced_frame = frame_id;
       if (surface.cells.empty()) {
         surfaces_.erase(found);
         continue;
@@ -463,7 +484,11 @@ class PolygonMerger::Impl {
     }
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       if (ids[i] == 0) ids[i] = next_polygon_++;
-      PublishPiece(ids[i], pieces[i], t_capture, result);
+      Surface& surface = surfaces_.at(pieces[i].surface);
+      for (const MemberRef& ref : pieces[i].members) At(ref).polygon = ids[i];
+      Update(ids[i], surface, pieces[i].shape, t_capture, result);
+      surface.polygons.push_back(ids[i]);
+      surface.shapes.push_back(std::move(pieces[i].shape));
     }
     for (const PolygonId id : free_ids) {
       polygons_.erase(id);
@@ -534,10 +559,9 @@ class PolygonMerger::Impl {
     }
   }
 
-  void PublishPiece(PolygonId id, const Piece& piece, Timestamp t_capture, PolygonUpdate* result) {
-    Surface& surface = surfaces_.at(piece.surface);
-    surface.polygons.push_back(id);
-    for (const MemberRef& ref : piece.members) At(ref).polygon = id;
+  /// A new revision of a polygon, when it changed enough.
+  void Update(PolygonId id, const Surface& surface, const PlanarShape& shape, Timestamp t_capture,
+              PolygonUpdate* result) {
     auto polygon = std::make_shared<Polygon>();
     polygon->id = id;
     polygon->plane_world = surface.plane_world;
@@ -552,11 +576,11 @@ class PolygonMerger::Impl {
       for (const Eigen::Vector2d& p : ring) lifted.push_back(lift(p));
       return lifted;
     };
-    polygon->outline_world = lift_ring(piece.shape.outline);
-    for (const Ring2& hole : piece.shape.holes) polygon->holes_world.push_back(lift_ring(hole));
-    polygon->area_m2 = piece.shape.area_m2;
-    polygon->centroid_world = lift(piece.shape.centroid);
-    polygon->support = piece.shape.support;
+    polygon->outline_world = lift_ring(shape.outline);
+    for (const Ring2& hole : shape.holes) polygon->holes_world.push_back(lift_ring(hole));
+    polygon->area_m2 = shape.area_m2;
+    polygon->centroid_world = lift(shape.centroid);
+    polygon->support = shape.support;
     const PlaneMoments& moments = surface.moments;
     polygon->rms_m = std::sqrt(moments.MeanSquaredDistance(
         {surface.plane_world.normal,
@@ -618,6 +642,7 @@ class PolygonMerger::Impl {
   std::map<PolygonId, PolygonPtr> polygons_;
   SurfaceId next_surface_ = 1;
   PolygonId next_polygon_ = 1;
+  std::set<SurfaceId> late_;  // surfaces whose outlines wait to be traced
   // Of the update at hand.
   std::set<SurfaceId> touched_;
   std::vector<MemberRef> homeless_;
