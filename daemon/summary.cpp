@@ -3,12 +3,36 @@
 
 #include <array>
 #include <cstdio>
+#include <exception>
+
+#include "datasets/ground_truth.h"
+#include "evaluation/trajectory_evaluation.h"
 
 namespace terrace {
 namespace {
 
 // A long outage must not fill the screen; frames.jsonl holds every frame.
 constexpr std::size_t kMaxTroubles = 10;
+
+/// How far the trajectory left the truth, when the sequence has one.
+void PrintDrift(const std::filesystem::path& sequence, const std::filesystem::path& output) {
+  if (!HasTrueTrajectory(sequence)) return;
+  try {
+    const std::vector<TimedPose> truth =
+        TrueLeftPoses(LoadTrueTrajectory(sequence), ReadCameraFile(output / "camera.json"));
+    const std::vector<PosePair> pairs = MatchPoses(ReadTrajectoryFile(output / "trajectory.tum"), truth);
+    const TrajectoryEvaluation drift = EvaluateTrajectory(pairs, {}, static_cast<std::int64_t>(truth.size()),
+                                                          static_cast<std::int64_t>(pairs.size()));
+    std::printf("drift        %.1f mm rms over %.1f m", 1e3 * drift.ate_rmse_m, drift.path_length_m);
+    if (const SegmentError* metre = drift.Segment(1.0))
+      std::printf(", %.2f %% over 1 m", metre->translation_pct);
+    if (const SegmentError* ten = drift.Segment(10.0))
+      std::printf(", %.2f %% over 10 m", ten->translation_pct);
+    std::printf("\n");
+  } catch (const std::exception& error) {
+    std::printf("drift        not known: %s\n", error.what());
+  }
+}
 
 void PrintMap(const TerrainMap& map) {
   std::array<int, kNumTerrainLabels> counts{};
@@ -52,6 +76,7 @@ void RunSummary::Print(const ResultWriter& writer, const RunTotals& totals,
               static_cast<long long>(writer.num_bridging()), static_cast<long long>(writer.num_lost()),
               static_cast<long long>(totals.num_dropped));
   for (const std::string& trouble : troubles_) std::printf("             at %s\n", trouble.c_str());
+  PrintDrift(info_.path, output);
   std::printf("rate         %.1f frames/s\n",
               totals.wall_s > 0 ? static_cast<double>(writer.num_frames()) / totals.wall_s : 0.0);
   for (const StageCost& stage : totals.stages) {
