@@ -12,9 +12,9 @@ namespace {
 
 std::string SizeText(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
 
-std::string WrongSize(const std::filesystem::path& path, const ImageSize& size,
+std::string WrongSize(const std::filesystem::path& path, int width, int height,
                       const StereoCalibration& calibration) {
-  return path.string() + ": image of " + SizeText(size.width, size.height) + ", must be " +
+  return path.string() + ": image of " + SizeText(width, height) + ", must be " +
          SizeText(calibration.width, calibration.height) + " as " + calibration.name + " says";
 }
 
@@ -50,10 +50,10 @@ void FolderSequence::CheckImageSizes() const {
       const std::filesystem::path& path = frames_[i].*side;
       if (path.empty()) continue;
       try {
-        const ImageSize size = ReadImageSize(path);
-        problem = size == ImageSize{info_.calibration.width, info_.calibration.height}
-                      ? ""
-                      : WrongSize(path, size, info_.calibration);
+        const ImageHeader image = ReadImageHeader(path);
+        const bool right_size =
+            image.width == info_.calibration.width && image.height == info_.calibration.height;
+        problem = right_size ? "" : WrongSize(path, image.width, image.height, info_.calibration);
       } catch (const FileError& error) {
         problem = error.what();
       }
@@ -90,7 +90,7 @@ StereoPair FolderSequence::LoadPair(const FolderFrame& frame) const {
       break;
     }
     if (image->width != info_.calibration.width || image->height != info_.calibration.height) {
-      pair.problem = WrongSize(*path, {image->width, image->height}, info_.calibration);
+      pair.problem = WrongSize(*path, image->width, image->height, info_.calibration);
       break;
     }
   }

@@ -6,7 +6,9 @@
 #include <bit>
 #include <csetjmp>
 #include <cstring>
+#include <fstream>
 #include <memory>
+#include <optional>
 
 #include <png.h>
 #include <turbojpeg.h>
@@ -16,17 +18,18 @@
 namespace terrace {
 namespace {
 
-enum class Format { kPng, kJpeg, kPnm, kUnknown };
-
-Format FormatOf(std::span<const std::uint8_t> bytes) {
+std::optional<ImageFormat> FormatOf(std::span<const std::uint8_t> bytes) {
   constexpr std::array<std::uint8_t, 8> kPngSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   if (bytes.size() >= 8 && std::equal(kPngSignature.begin(), kPngSignature.end(), bytes.begin())) {
-    return Format::kPng;
+    return ImageFormat::kPng;
   }
-  if (bytes.size() >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff) return Format::kJpeg;
-  if (bytes.size() >= 3 && bytes[0] == 'P' && (bytes[1] == '5' || bytes[1] == '6')) return Format::kPnm;
-  return Format::kUnknown;
+  if (bytes.size() >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff)
+    return ImageFormat::kJpeg;
+  if (bytes.size() >= 3 && bytes[0] == 'P' && (bytes[1] == '5' || bytes[1] == '6')) return ImageFormat::kPnm;
+  return std::nullopt;
 }
+
+constexpr const char* kNoKnownFormat = "neither PNG nor JPEG nor binary PNM";
 
 [[noreturn]] void Refuse(const std::string& name, const std::string& why) {
   throw FileError(name + ": " + why);
@@ -132,17 +135,20 @@ std::vector<std::uint8_t> ReadPngRows(PngReader& reader, const std::string& name
   return data;
 }
 
-ImageSize ReadPngHeader(PngReader& reader, const std::string& name) {
+ImageHeader ReadPngHeader(PngReader& reader, const std::string& name) {
   if (!reader.ReadHeader()) Refuse(name, std::string("not a readable PNG: ") + reader.error);
   const auto width = png_get_image_width(reader.png, reader.info);
   const auto height = png_get_image_height(reader.png, reader.info);
   CheckSize(width, height, name);
-  return {static_cast<int>(width), static_cast<int>(height)};
+  const png_byte colour = png_get_color_type(reader.png, reader.info);
+  return {ImageFormat::kPng, static_cast<int>(width), static_cast<int>(height),
+          png_get_bit_depth(reader.png, reader.info),
+          colour == PNG_COLOR_TYPE_PALETTE ? 3 : png_get_channels(reader.png, reader.info)};
 }
 
 GrayImage DecodePng(std::span<const std::uint8_t> bytes, const std::string& name) {
   PngReader reader(bytes);
-  const ImageSize size = ReadPngHeader(reader, name);
+  const ImageHeader size = ReadPngHeader(reader, name);
   if (!reader.AskForEightBits()) Refuse(name, std::string("not a readable PNG: ") + reader.error);
   const int channels = png_get_channels(reader.png, reader.info);
   TERRACE_CHECK(channels == 1 || channels == 3, channels);
@@ -162,20 +168,20 @@ GrayImage DecodePng(std::span<const std::uint8_t> bytes, const std::string& name
 
 using JpegHandle = std::unique_ptr<void, decltype(&tjDestroy)>;
 
-ImageSize ReadJpegHeader(tjhandle jpeg, std::span<const std::uint8_t> bytes, const std::string& name) {
+ImageHeader ReadJpegHeader(tjhandle jpeg, std::span<const std::uint8_t> bytes, const std::string& name) {
   int width = 0, height = 0, subsampling = 0, colorspace = 0;
   if (tjDecompressHeader3(jpeg, bytes.data(), bytes.size(), &width, &height, &subsampling, &colorspace) !=
       0) {
     Refuse(name, std::string("not a readable JPEG: ") + tjGetErrorStr2(jpeg));
   }
   CheckSize(width, height, name);
-  return {width, height};
+  return {ImageFormat::kJpeg, width, height, 8, colorspace == TJCS_GRAY ? 1 : 3};
 }
 
 GrayImage DecodeJpeg(std::span<const std::uint8_t> bytes, const std::string& name) {
   const JpegHandle jpeg(tjInitDecompress(), &tjDestroy);
   TERRACE_CHECK(jpeg != nullptr);
-  const ImageSize size = ReadJpegHeader(jpeg.get(), bytes, name);
+  const ImageHeader size = ReadJpegHeader(jpeg.get(), bytes, name);
   // A block of 8x8 pixels takes 2 bits at the least.
   if (std::uint64_t{1} * size.width * size.height / 64 / 4 > bytes.size()) {
     Refuse(name, "not a readable JPEG: the file ends early");
@@ -193,8 +199,7 @@ GrayImage DecodeJpeg(std::span<const std::uint8_t> bytes, const std::string& nam
 // ---- PNM, binary
 
 struct PnmHeader {
-  ImageSize size;
-  int channels = 1;
+  ImageHeader image;
   int max_value = 255;
   std::size_t data_begin = 0;
 };
@@ -222,18 +227,18 @@ PnmHeader ReadPnmHeader(std::span<const std::uint8_t> bytes, const std::string& 
   CheckSize(width, height, name);
   if (max_value < 1 || max_value > 65535)
     Refuse(name, "not a readable PNM: the largest value must be 1 to 65535");
-  return {{static_cast<int>(width), static_cast<int>(height)},
-          bytes[1] == '6' ? 3 : 1,
+  return {{ImageFormat::kPnm, static_cast<int>(width), static_cast<int>(height), max_value > 255 ? 16 : 8,
+           bytes[1] == '6' ? 3 : 1},
           static_cast<int>(max_value),
           i + 1};
 }
 
 GrayImage DecodePnm(std::span<const std::uint8_t> bytes, const std::string& name) {
   const PnmHeader header = ReadPnmHeader(bytes, name);
-  const std::size_t num_pixels = static_cast<std::size_t>(header.size.width) * header.size.height;
+  const std::size_t num_pixels = static_cast<std::size_t>(header.image.width) * header.image.height;
   const int sample_bytes = header.max_value > 255 ? 2 : 1;
   if (header.data_begin > bytes.size() ||
-      num_pixels * header.channels * sample_bytes > bytes.size() - header.data_begin) {
+      num_pixels * header.image.channels * sample_bytes > bytes.size() - header.data_begin) {
     Refuse(name, "not a readable PNM: the file ends early");
   }
   const std::uint8_t* in = bytes.data() + header.data_begin;
@@ -242,10 +247,10 @@ GrayImage DecodePnm(std::span<const std::uint8_t> bytes, const std::string& name
     in += sample_bytes;
     return (255 * std::min(value, header.max_value) + header.max_value / 2) / header.max_value;
   };
-  GrayImage image{header.size.width, header.size.height, std::vector<std::uint8_t>(num_pixels)};
+  GrayImage image{header.image.width, header.image.height, std::vector<std::uint8_t>(num_pixels)};
   for (std::uint8_t& pixel : image.data) {
     const int first = next_sample();
-    if (header.channels == 1) {
+    if (header.image.channels == 1) {
       pixel = static_cast<std::uint8_t>(first);
     } else {
       const int green = next_sample();
@@ -308,18 +313,24 @@ std::vector<std::uint8_t> EncodePngOf(const Image& image, int bit_depth, int com
 
 }  // namespace
 
-GrayImage DecodeGrayImage(std::span<const std::uint8_t> bytes, const std::string& name) {
-  switch (FormatOf(bytes)) {
-    case Format::kPng:
-      return DecodePng(bytes, name);
-    case Format::kJpeg:
-      return DecodeJpeg(bytes, name);
-    case Format::kPnm:
-      return DecodePnm(bytes, name);
-    case Format::kUnknown:
-      break;
+const char* Name(ImageFormat format) {
+  switch (format) {
+    case ImageFormat::kPng:
+      return "PNG";
+    case ImageFormat::kJpeg:
+      return "JPEG";
+    case ImageFormat::kPnm:
+      return "PNM";
   }
-  Refuse(name, "neither PNG nor JPEG nor binary PNM");
+  TERRACE_CHECK(false, static_cast<int>(format));
+}
+
+GrayImage DecodeGrayImage(std::span<const std::uint8_t> bytes, const std::string& name) {
+  const std::optional<ImageFormat> format = FormatOf(bytes);
+  if (format == ImageFormat::kPng) return DecodePng(bytes, name);
+  if (format == ImageFormat::kJpeg) return DecodeJpeg(bytes, name);
+  if (format == ImageFormat::kPnm) return DecodePnm(bytes, name);
+  Refuse(name, kNoKnownFormat);
 }
 
 GrayImage ReadGrayImage(const std::filesystem::path& path) {
@@ -329,9 +340,9 @@ GrayImage ReadGrayImage(const std::filesystem::path& path) {
 Gray16Image ReadGray16Png(const std::filesystem::path& path) {
   const std::vector<std::uint8_t> bytes = ReadFileBytes(path);
   const std::string name = path.string();
-  if (FormatOf(bytes) != Format::kPng) Refuse(name, "not a PNG");
+  if (FormatOf(bytes) != ImageFormat::kPng) Refuse(name, "not a PNG");
   PngReader reader(bytes);
-  const ImageSize size = ReadPngHeader(reader, name);
+  const ImageHeader size = ReadPngHeader(reader, name);
   if (png_get_color_type(reader.png, reader.info) != PNG_COLOR_TYPE_GRAY) Refuse(name, "must be a grey PNG");
   if (!reader.AskForStoredValues()) Refuse(name, std::string("not a readable PNG: ") + reader.error);
   const bool wide = png_get_bit_depth(reader.png, reader.info) == 16;
@@ -346,25 +357,27 @@ Gray16Image ReadGray16Png(const std::filesystem::path& path) {
   return image;
 }
 
-ImageSize ReadImageSize(const std::filesystem::path& path) {
+ImageHeader ReadImageHeader(const std::filesystem::path& path) {
   const std::vector<std::uint8_t> bytes = ReadFileBytes(path);
   const std::string name = path.string();
-  switch (FormatOf(bytes)) {
-    case Format::kPng: {
-      PngReader reader(bytes);
-      return ReadPngHeader(reader, name);
-    }
-    case Format::kJpeg: {
-      const JpegHandle jpeg(tjInitDecompress(), &tjDestroy);
-      TERRACE_CHECK(jpeg != nullptr);
-      return ReadJpegHeader(jpeg.get(), bytes, name);
-    }
-    case Format::kPnm:
-      return ReadPnmHeader(bytes, name).size;
-    case Format::kUnknown:
-      break;
+  const std::optional<ImageFormat> format = FormatOf(bytes);
+  if (format == ImageFormat::kPng) {
+    PngReader reader(bytes);
+    return ReadPngHeader(reader, name);
   }
-  Refuse(name, "neither PNG nor JPEG nor binary PNM");
+  if (format == ImageFormat::kJpeg) {
+    const JpegHandle jpeg(tjInitDecompress(), &tjDestroy);
+    TERRACE_CHECK(jpeg != nullptr);
+    return ReadJpegHeader(jpeg.get(), bytes, name);
+  }
+  if (format == ImageFormat::kPnm) return ReadPnmHeader(bytes, name).image;
+  Refuse(name, kNoKnownFormat);
+}
+
+bool IsImageFile(const std::filesystem::path& path) {
+  std::array<char, 8> head{};
+  std::ifstream(path, std::ios::binary).read(head.data(), head.size());
+  return FormatOf({reinterpret_cast<const std::uint8_t*>(head.data()), head.size()}).has_value();
 }
 
 std::vector<std::uint8_t> EncodePng(const GrayImage& image, int compression) {

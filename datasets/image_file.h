@@ -24,11 +24,16 @@ struct Gray16Image {
   bool empty() const { return data.empty(); }
 };
 
-struct ImageSize {
+enum class ImageFormat { kPng, kJpeg, kPnm };
+const char* Name(ImageFormat format);  ///< "PNG", "JPEG", "PNM"
+
+/// What the first bytes of an image file say.
+struct ImageHeader {
+  ImageFormat format = ImageFormat::kPng;
   int width = 0;
   int height = 0;
-
-  friend bool operator==(const ImageSize&, const ImageSize&) = default;
+  int bits = 8;      ///< a sample
+  int channels = 1;  ///< alpha included; of a palette's entries
 };
 
 /// Any PNG, JPEG or binary PNM (P5, P6) as 8-bit grey: colour by the luma weights of BT.601, 16 bits scaled
@@ -42,8 +47,11 @@ GrayImage DecodeGrayImage(std::span<const std::uint8_t> bytes, const std::string
 /// A grey PNG of 8 or 16 bits with its values unchanged. Throws FileError, also for colour.
 Gray16Image ReadGray16Png(const std::filesystem::path& path);
 
-/// Size of a PNG, JPEG or PNM from its header alone. Throws FileError.
-ImageSize ReadImageSize(const std::filesystem::path& path);
+/// Throws FileError, also when the size is out of bounds.
+ImageHeader ReadImageHeader(const std::filesystem::path& path);
+
+/// True when the first bytes are those of a format that can be read.
+bool IsImageFile(const std::filesystem::path& path);
 
 /// @param compression  of zlib: 1 is fastest, 9 smallest. The same image gives the same bytes.
 std::vector<std::uint8_t> EncodePng(const GrayImage& image, int compression = 3);

@@ -44,13 +44,13 @@ std::map<int, Projection> ReadProjections(const fs::path& calib, std::vector<std
   return {table.rows.begin(), table.rows.end()};
 }
 
-/// Size of the first image that can be read.
-ImageSize FirstImageSize(const fs::path& path, int camera, std::vector<std::string>* problems) {
+/// Of the first image that can be read.
+ImageHeader FirstImageHeader(const fs::path& path, int camera, std::vector<std::string>* problems) {
   constexpr int kFramesToTry = 10;
   std::string problem;
   for (int i = 0; i < kFramesToTry; ++i) {
     try {
-      return ReadImageSize(ImageFile(path, camera, i));
+      return ReadImageHeader(ImageFile(path, camera, i));
     } catch (const FileError& error) {
       if (problem.empty()) problem = error.what();
     }
@@ -84,10 +84,10 @@ KittiCameras ReadCameras(const fs::path& path, std::vector<std::string>* problem
   }
   if (!problems->empty()) return out;
 
-  const ImageSize size = FirstImageSize(path, out.left, problems);
+  const ImageHeader image = FirstImageHeader(path, out.left, problems);
   if (!problems->empty()) return out;
-  calibration.width = size.width;
-  calibration.height = size.height;
+  calibration.width = image.width;
+  calibration.height = image.height;
   // P_i = K [I | t_i] with p_cam_i = p_cam0 + t_i.
   const auto camera_of = [](const Projection& P) {
     return RawCamera{P(0, 0), P(1, 1), P(0, 2), P(1, 2), DistortionModel::kRadialTangential, {}};

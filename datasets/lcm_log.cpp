@@ -278,18 +278,29 @@ std::map<std::uint64_t, std::string> NamesByFingerprint() {
   return {{static_cast<std::uint64_t>(Messages::getHash()), Messages::getTypeName()}...};
 }
 
-std::string TypeName(const std::vector<std::uint8_t>& data) {
+std::uint64_t Fingerprint(const std::vector<std::uint8_t>& data) {
+  if (data.size() < 8) return 0;
+  std::uint64_t fingerprint = 0;
+  for (std::size_t i = 0; i < 8; ++i) fingerprint = fingerprint << 8 | data[i];
+  return fingerprint;
+}
+
+void NameType(LcmLogChannel* channel) {
   static const std::map<std::uint64_t, std::string> names =
       NamesByFingerprint<body_prior_v1_t, calibration_v1_t, command_reply_v1_t, command_v1_t, height_map_v1_t,
                          image_t, images_t, imu_v1_t, octree_v1_t, pose_t, status_v1_t, terrain_v1_t,
                          update_t>();
-  if (data.size() < 8) return "no LCM type";
-  std::uint64_t fingerprint = 0;
-  for (int i = 0; i < 8; ++i) fingerprint = fingerprint << 8 | data[static_cast<std::size_t>(i)];
-  if (const auto name = names.find(fingerprint); name != names.end()) return name->second;
-  char text[17];
-  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(fingerprint));
-  return text;
+  const auto name = names.find(channel->fingerprint);
+  channel->known = name != names.end();
+  if (channel->known) {
+    channel->type = name->second;
+  } else if (channel->fingerprint == 0) {
+    channel->type = "no LCM type";
+  } else {
+    char text[17];
+    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(channel->fingerprint));
+    channel->type = text;
+  }
 }
 
 }  // namespace
@@ -311,18 +322,20 @@ TrueTrajectory LoadLcmLogTruth(const std::filesystem::path& path, const ChannelC
 }
 
 std::vector<LcmLogChannel> ListLcmLogChannels(const std::filesystem::path& path) {
-  std::map<std::pair<std::string, std::string>, LcmLogChannel> channels;
+  std::map<std::pair<std::string, std::uint64_t>, LcmLogChannel> channels;
   LcmEventReader reader(path);
   LcmEvent event;
   while (reader.Next(&event)) {
-    LcmLogChannel& channel = channels[{event.channel, TypeName(event.data)}];
-    ++channel.num_messages;
+    LcmLogChannel& channel = channels[{event.channel, Fingerprint(event.data)}];
+    if (channel.num_messages++ == 0) channel.utime_first = event.utime;
+    channel.utime_last = event.utime;
     channel.num_bytes += static_cast<std::int64_t>(event.data.size());
   }
   std::vector<LcmLogChannel> list;
   for (auto& [key, channel] : channels) {
     channel.name = key.first;
-    channel.type = key.second;
+    channel.fingerprint = key.second;
+    NameType(&channel);
     list.push_back(std::move(channel));
   }
   return list;

@@ -26,7 +26,11 @@ TrueTrajectory LoadLcmLogTruth(const std::filesystem::path& path, const ChannelC
 /// What one channel of a log carries.
 struct LcmLogChannel {
   std::string name;
-  std::string type;  ///< the message's name when it is one of ours, else its fingerprint in hexadecimal
+  std::string type;    ///< the message's name when it is one of ours, else its fingerprint in hexadecimal
+  bool known = false;  ///< one of ours
+  std::uint64_t fingerprint = 0;  ///< of the type; 0 when a message is too short to have one
+  std::int64_t utime_first = 0;   ///< when the first message was recorded [us]
+  std::int64_t utime_last = 0;
   std::int64_t num_messages = 0;
   std::int64_t num_bytes = 0;
 };

@@ -45,7 +45,12 @@ TEST(PngTest, GivesBackWhatWasWritten) {
   const TemporaryFolder folder;
   const GrayImage image = SmallImage(3, 37, 21);
   WritePng(folder.path() / "a.png", image);
-  EXPECT_EQ(ReadImageSize(folder.path() / "a.png"), (ImageSize{37, 21}));
+  const ImageHeader header = ReadImageHeader(folder.path() / "a.png");
+  EXPECT_EQ(header.format, ImageFormat::kPng);
+  EXPECT_EQ(header.width, 37);
+  EXPECT_EQ(header.height, 21);
+  EXPECT_EQ(header.bits, 8);
+  EXPECT_EQ(header.channels, 1);
   const GrayImage read = ReadGrayImage(folder.path() / "a.png");
   EXPECT_EQ(read.width, 37);
   EXPECT_EQ(read.height, 21);
@@ -152,7 +157,9 @@ TEST(ImageFileTest, NamesWhatIsNoImage) {
   const TemporaryFolder folder;
   WriteText(folder.path() / "note.png", "this is a note");
   EXPECT_THROW(ReadGrayImage(folder.path() / "note.png"), FileError);
-  EXPECT_THROW(ReadImageSize(folder.path() / "note.png"), FileError);
+  EXPECT_THROW(ReadImageHeader(folder.path() / "note.png"), FileError);
+  EXPECT_FALSE(IsImageFile(folder.path() / "note.png"));
+  EXPECT_FALSE(IsImageFile(folder.path() / "none.png"));
   EXPECT_THROW(ReadGrayImage(folder.path()), FileError);
   EXPECT_THROW(ReadGrayImage(folder.path() / "none.png"), FileError);
   EXPECT_THROW(ReadGrayImage("/dev/zero"), FileError);
