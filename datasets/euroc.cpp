@@ -170,7 +170,7 @@ StereoCalibration ReadCalibration(const fs::path& mav, Problems* problems) {
   const CameraFile left = ReadCameraFile(left_path, problems);
   const CameraFile right = ReadCameraFile(right_path, problems);
   StereoCalibration calibration;
-  calibration.name = (mav / "cam0|cam1" / "sensor.yaml").string();
+  calibration.name = (mav / "cam0" / "sensor.yaml").string() + " with cam1/sensor.yaml";
   if (problems->size() > num_before) return calibration;
   calibration.width = left.width;
   calibration.height = left.height;

@@ -15,7 +15,7 @@ std::string SizeText(int width, int height) { return std::to_string(width) + "x"
 std::string WrongSize(const std::filesystem::path& path, int width, int height,
                       const StereoCalibration& calibration) {
   return path.string() + ": image of " + SizeText(width, height) + ", must be " +
-         SizeText(calibration.width, calibration.height) + " as " + calibration.name + " says";
+         SizeText(calibration.width, calibration.height) + " as in " + calibration.name;
 }
 
 }  // namespace

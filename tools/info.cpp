@@ -18,6 +18,7 @@
 #include "datasets/image_file.h"
 #include "datasets/lcm_log.h"
 #include "datasets/sequence.h"
+#include "datasets/text_table.h"
 #include "evaluation/disparity_file.h"
 #include "evaluation/result_files.h"
 #include "stereo/rectifier.h"
@@ -30,6 +31,10 @@ namespace fs = std::filesystem;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMicro = 1e-6;
+
+std::string Count(std::size_t count, const char* noun) {
+  return Counted(static_cast<std::int64_t>(count), noun);
+}
 
 double Mebibytes(double bytes) { return bytes / (1024.0 * 1024.0); }
 
@@ -92,7 +97,8 @@ void PrintTruth(const fs::path& path) {
   }
   if (HasTrueScene(path)) {
     const TrueScene scene = LoadTrueScene(path);
-    std::printf("  truth: %zu planes, %zu staircases\n", scene.polygons.size(), scene.staircases.size());
+    std::printf("  truth: %s, %s\n", Count(scene.polygons.size(), "plane").c_str(),
+                Count(scene.staircases.size(), "staircase").c_str());
   }
 }
 
@@ -100,7 +106,7 @@ void PrintSequence(const fs::path& path, const Sequence& sequence) {
   const SequenceInfo& info = sequence.info();
   const double duration_s = Seconds(info.t_last - info.t_first);
   std::printf("%s: %s\n", path.c_str(), Name(info.kind));
-  std::printf("  stereo: %lld frames over %.2f s", static_cast<long long>(info.num_frames), duration_s);
+  std::printf("  stereo: %s over %.2f s", Counted(info.num_frames, "frame").c_str(), duration_s);
   if (info.num_frames > 1 && duration_s > 0.0) {
     std::printf(", %.1f per second", static_cast<double>(info.num_frames - 1) / duration_s);
   }
@@ -149,9 +155,10 @@ void PrintMap(const TerrainMap& map) {
     ++count;
     area_m2 += region->area_m2;
   }
-  std::printf("  map: %zu regions, %zu staircases\n", map.regions.size(), map.staircases.size());
+  std::printf("  map: %s, %s\n", Count(map.regions.size(), "region").c_str(),
+              Count(map.staircases.size(), "staircase").c_str());
   for (const auto& [label, sum] : by_label) {
-    std::printf("    %-12s %5d regions %9.2f m2\n", Name(label), sum.first, sum.second);
+    std::printf("    %-12s %5d of %8.2f m2\n", Name(label), sum.first, sum.second);
   }
   for (const Staircase& stairs : map.staircases) {
     std::printf(
@@ -181,7 +188,7 @@ void PrintTrajectory(const std::vector<ResultPose>& trajectory) {
     length_m +=
         (trajectory[i].T_world_left.translation() - trajectory[i - 1].T_world_left.translation()).norm();
   }
-  std::printf("  trajectory: %zu poses, %.2f m long\n", trajectory.size(), length_m);
+  std::printf("  trajectory: %s, %.2f m long\n", Count(trajectory.size(), "pose").c_str(), length_m);
 }
 
 bool IsResultFolder(const fs::path& path) {

@@ -158,6 +158,26 @@ TEST_P(RectifierTest, FillsBothImagesWithValidPixels) {
   EXPECT_LE(zoom, 1.2);
 }
 
+TEST(RectifierFoldTest, ShowsNoGhostsWhereTheLensPolynomialTurnsBack) {
+  // 1 - 0.4 r^2 turns back at r = 0.91, well inside the corners of the view.
+  StereoCalibration calibration = TurnedPair(DistortionModel::kRadialTangential, {-0.4, 0, 0, 0}, 100.0);
+  StereoPair white;
+  white.left = white.right = {kWidth, kHeight, std::vector<std::uint8_t>(kWidth * kHeight, 255)};
+  const Rectifier rectifier(calibration);
+  const StereoFrame frame = rectifier.Rectify(0, white);
+  const StereoCamera& camera = rectifier.camera();
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const Eigen::Vector3d ray_raw =
+          rectifier.R_rect_raw().transpose() *
+          Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);
+      const double tangent = ray_raw.head<2>().norm() / ray_raw.z();
+      if (tangent > 0.92) EXPECT_EQ(frame.left(v, u), 0) << u << " " << v;
+      if (tangent < 0.89) EXPECT_EQ(frame.left(v, u), 255) << u << " " << v;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Lenses, RectifierTest, testing::Values(RadialTangentialPair(), FisheyePair()),
                          [](const auto& lens) {
                            return lens.index == 0 ? "RadialTangential" : "Equidistant";

@@ -100,8 +100,8 @@ TEST(InfoTest, DescribesAResultAndItsMap) {
   for (const std::string& path : {folder.path().string(), (folder.path() / "terrain_map.json").string()}) {
     const Outcome run = Terrace("info " + path);
     EXPECT_EQ(run.exit_code, 0) << run.output;
-    EXPECT_THAT(run.output, AllOf(HasSubstr("map: 1 regions, 0 staircases"),
-                                  testing::ContainsRegex("walkway +1 regions +2\\.00 m2")));
+    EXPECT_THAT(run.output, AllOf(HasSubstr("map: 1 region, 0 staircases"),
+                                  testing::ContainsRegex("walkway +1 of +2\\.00 m2")));
   }
   EXPECT_THAT(Terrace("info " + folder.path().string()).output,
               HasSubstr("trajectory: 2 poses, 0.50 m long"));
