@@ -52,8 +52,14 @@ bool Worse(double value, double stored, const Tolerance& tolerance) {
   return by > std::max(tolerance.absolute, tolerance.relative * std::abs(stored));
 }
 
-/// "trajectory.ate_rmse_m" as "ate_rmse_m".
-std::string LastName(const std::string& path) { return path.substr(path.rfind('.') + 1); }
+/// "trajectory.ate_rmse_m" as "ate_rmse_m", as long as no other figure ends so.
+std::string ColumnName(const std::string& path, const std::vector<BaselineFigure>& figures) {
+  const auto last = [](const std::string& name) { return name.substr(name.rfind('.') + 1); };
+  const auto same = std::count_if(figures.begin(), figures.end(), [&](const BaselineFigure& other) {
+    return last(other.path) == last(path);
+  });
+  return same > 1 ? path : last(path);
+}
 
 std::string Aligned(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
@@ -140,7 +146,9 @@ BaselineComparison Compare(const Baseline& baseline, const std::map<std::string,
   BaselineComparison comparison;
   std::vector<std::vector<std::string>> rows;
   rows.push_back({"sequence"});
-  for (const BaselineFigure& figure : baseline.figures) rows[0].push_back(LastName(figure.path));
+  for (const BaselineFigure& figure : baseline.figures) {
+    rows[0].push_back(ColumnName(figure.path, baseline.figures));
+  }
   for (const auto& [name, figures] : measured) {
     const auto stored_figures = baseline.sequences.find(name);
     std::vector<std::string>& row = rows.emplace_back();
