@@ -10,10 +10,12 @@
 #include "core/check.h"
 #include "odometry/feature_finder.h"
 #include "odometry/image_pyramid.h"
+#include "odometry/imu_preintegration.h"
 #include "odometry/landmark_tracker.h"
 #include "odometry/pose_solver.h"
 #include "odometry/rotation.h"
 #include "odometry/window.h"
+#include "odometry/window_optimizer.h"
 #include "odometry/world_frame.h"
 
 namespace terrace {
@@ -45,6 +47,7 @@ std::vector<std::string> OdometryConfig::Problems() const {
   Require(keyframe_min_coverage > 0.0 && keyframe_min_coverage < 1.0,
           "keyframe_min_coverage must lie between 0 and 1");
   Require(min_inliers >= 6, "min_inliers must be at least 6");
+  Require(optimizer_iterations >= 0 && optimizer_iterations <= 50, "optimizer_iterations must lie in 0..50");
   Require(max_bridging_s > 0.0, "max_bridging_s must be positive");
   Require(max_vertical_disparity_px > 0.0, "max_vertical_disparity_px must be positive");
   return problems;
@@ -58,7 +61,8 @@ class VisualOdometry::Impl {
         mounting_(mounting),
         grid_(FeatureGrid::For(camera.width, camera.height, config.num_cells)),
         tracker_(camera, grid_),
-        finder_(camera, grid_, config.max_disparity_px) {}
+        finder_(camera, grid_, config.max_disparity_px),
+        optimizer_(camera, std::nullopt) {}
 
   PoseEstimate Track(const StereoFrame& frame, const SensorSamples& samples) {
     TERRACE_CHECK(frame.left.size() == cv::Size(camera_.width, camera_.height) &&
@@ -68,18 +72,22 @@ class VisualOdometry::Impl {
     TakeOverCorrection();
     if (!last_) return Start(frame, left, right, samples);
 
-    const Motion predicted = Predict(frame.t_capture, samples);
+    Integrate(samples, frame.t_capture);
+    const Motion predicted = Predict(frame.t_capture);
     const auto found = FindPose(left, right, predicted, static_cast<std::uint32_t>(frame.frame_id));
     if (!found) return Unfound(frame, left, right, predicted);
     const std::vector<Match>& matches = found->matches;
     const PoseSolution& solution = found->solution;
 
     PoseEstimate pose = Tracked(frame, predicted, matches, solution);
+    UpdateVelocity(pose, predicted);
     UpdateNoiseScale(solution);
     UpdateVertical(matches, solution);
     CountFailures(matches, solution);
-    if (NeedsKeyframe(matches, solution))
+    if (NeedsKeyframe(matches, solution)) {
       AddKeyframe(frame, left, right, pose.T_world_left, matches, solution);
+      RefineWindow(&pose);
+    }
     Remember(pose);
     return pose;
   }
@@ -93,7 +101,8 @@ class VisualOdometry::Impl {
       pose.reason = reason;
       return pose;
     }
-    return Bridged(frame_id, t_capture, Predict(t_capture, samples), reason);
+    Integrate(samples, t_capture);
+    return Bridged(frame_id, t_capture, Predict(t_capture), reason);
   }
 
   const Gravity& gravity() const { return gravity_; }
@@ -112,6 +121,7 @@ class VisualOdometry::Impl {
     double dt_s = 0.0;
     Eigen::Isometry3d T_last_left = Eigen::Isometry3d::Identity();
     Matrix6d covariance = Matrix6d::Zero();
+    Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();  ///< of the IMU, then
   };
 
   PoseEstimate Start(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
@@ -125,6 +135,8 @@ class VisualOdometry::Impl {
     pose.status = TrackingStatus::kTracking;
     pose.T_world_left = world.T_world_left;
     AddKeyframe(frame, left, right, pose.T_world_left, {}, {});
+    StartWindow(Matrix6d::Zero());
+    Integrate(samples, frame.t_capture);
     if (static_cast<int>(window_.landmarks.size()) < config_.min_inliers) {
       window_ = {};
       pose.status = TrackingStatus::kLost;
@@ -136,31 +148,115 @@ class VisualOdometry::Impl {
     return pose;
   }
 
-  Motion Predict(Timestamp t_capture, const SensorSamples& samples) const {
+  /// A fresh prior for a window that holds one keyframe.
+  void StartWindow(const Matrix6d& pose_covariance) {
+    optimizer_ = WindowOptimizer(camera_, imu_in_use_ ? mounting_.T_left_imu : std::nullopt);
+    optimizer_.Start(window_.keyframes.front(), pose_covariance, gravity_.sigma_rad);
+    keyframe_covariance_ = pose_covariance;
+  }
+
+  /// Sums the IMU up since the last frame and since the newest keyframe.
+  void Integrate(const SensorSamples& samples, Timestamp t_capture) {
+    if (!config_.use_imu || !mounting_.T_left_imu) return;
+    constexpr double kMaxGap_s = 0.05;
+    const KeyframeState& biases = window_.keyframes.back();
+    imu_since_last_ = ImuPreintegration(mounting_.imu_noise, biases.gyro_bias, biases.accel_bias);
+    if (!imu_since_keyframe_) imu_since_keyframe_ = imu_since_last_;
+    imu_gapless_ = last_.has_value();
+    Timestamp t = last_ ? last_->t_capture : t_capture;
+    const auto AddUntil = [&](const ImuSample& sample, Timestamp until) {
+      if (until <= t) return;
+      const double dt = Seconds(until - t);
+      if (dt > kMaxGap_s) imu_gapless_ = false;
+      imu_since_last_->Add(sample.gyro, sample.accel, dt);
+      imu_since_keyframe_->Add(sample.gyro, sample.accel, dt);
+      t = until;
+    };
+    for (const ImuSample& sample : samples.imu) {
+      ImuSample middle = sample;
+      if (newest_sample_ && Seconds(sample.t - newest_sample_->t) < kMaxGap_s) {
+        middle.gyro = 0.5 * (sample.gyro + newest_sample_->gyro);
+        middle.accel = 0.5 * (sample.accel + newest_sample_->accel);
+      }
+      AddUntil(middle, std::min(sample.t, t_capture));
+      newest_sample_ = sample;
+    }
+    if (newest_sample_) AddUntil(*newest_sample_, t_capture);
+    if (samples.imu.empty()) imu_gapless_ = false;
+    if (!imu_gapless_ && last_) keyframe_imu_gapless_ = false;
+    if (!imu_in_use_ && !samples.imu.empty() && window_.keyframes.size() == 1) {
+      // The IMU came after the first image.
+      imu_in_use_ = true;
+      gravity_.source = GravitySource::kImu;
+      StartWindow(keyframe_covariance_);
+    }
+  }
+
+  Motion Predict(Timestamp t_capture) const {
     Motion motion;
     motion.dt_s = Seconds(t_capture - last_->t_capture);
+    if (imu_in_use_ && imu_gapless_) {
+      const ImuState predicted = imu_since_last_->Predict(ImuAt(last_->T_world_left), gravity_.down_world);
+      Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
+      T_world_imu.linear() = predicted.R_world_imu;
+      T_world_imu.translation() = predicted.p_world;
+      motion.T_last_left = last_->T_world_left.inverse() * T_world_imu * mounting_.T_left_imu->inverse();
+      motion.velocity_world = predicted.v_world;
+      const double fall_m = 0.5 * kGravityMagnitude * gravity_.sigma_rad * motion.dt_s * motion.dt_s;
+      motion.covariance = DiagonalCovariance(kGyroRotationSigma * motion.dt_s + 0.001,
+                                             imu_velocity_sigma_ * motion.dt_s + fall_m + 0.001);
+      return motion;
+    }
     // What the body does just now soon turns into what it does on average.
     constexpr double kMemory_s = 0.1;
     const double now_s = kMemory_s * (1.0 - std::exp(-motion.dt_s / kMemory_s));
     const double later_s = motion.dt_s - now_s;
     motion.T_last_left.linear() = ExpRotation(rotation_rate_ * now_s);
-    double rotation_sigma = kModelRotationSigma * motion.dt_s;
-    if (config_.use_imu && mounting_.T_left_imu && !samples.imu.empty()) {
-      Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-      Timestamp t = last_->t_capture;
-      for (const ImuSample& sample : samples.imu) {
-        const Timestamp until = &sample == &samples.imu.back() ? t_capture : sample.t;
-        if (until <= t) continue;
-        R = R * ExpRotation(mounting_.T_left_imu->linear() * sample.gyro * Seconds(until - t));
-        t = until;
-      }
-      motion.T_last_left.linear() = R;
-      rotation_sigma = kGyroRotationSigma * motion.dt_s + 0.002;
-    }
     motion.T_last_left.translation() =
         last_->T_world_left.linear().transpose() * (velocity_world_ * now_s + mean_velocity_world_ * later_s);
-    motion.covariance = DiagonalCovariance(rotation_sigma, kModelTranslationSigma * motion.dt_s);
+    motion.velocity_world = imu_velocity_world_;
+    motion.covariance =
+        DiagonalCovariance(kModelRotationSigma * motion.dt_s, kModelTranslationSigma * motion.dt_s);
     return motion;
+  }
+
+  ImuState ImuAt(const Eigen::Isometry3d& T_world_left) const {
+    const Eigen::Isometry3d T_world_imu = T_world_left * *mounting_.T_left_imu;
+    const KeyframeState& biases = window_.keyframes.back();
+    return {T_world_imu.linear(), T_world_imu.translation(), imu_velocity_world_, biases.gyro_bias,
+            biases.accel_bias};
+  }
+
+  /// Velocity of the IMU at a tracked frame: what it was predicted to be, drawn towards what the images saw.
+  void UpdateVelocity(const PoseEstimate& pose, const Motion& predicted) {
+    if (!imu_in_use_ || predicted.dt_s <= 0.0) return;
+    const ImuState seen = ImuAt(pose.T_world_left);
+    const ImuState before = ImuAt(last_->T_world_left);
+    if (imu_gapless_) {
+      // Had the velocity been right, the prediction would have hit the pose.
+      const ImuState hit = imu_since_last_->Predict(before, gravity_.down_world);
+      const double trust = imu_velocity_sigma_ > 0.1 ? 1.0 : 0.4;
+      imu_velocity_world_ = hit.v_world + trust * (seen.p_world - hit.p_world) / predicted.dt_s;
+    } else {
+      imu_velocity_world_ = (seen.p_world - before.p_world) / predicted.dt_s;
+    }
+    constexpr double kSeenSigma = 0.04;
+    imu_velocity_sigma_ = imu_gapless_ ? std::max(kSeenSigma, 0.3 * imu_velocity_sigma_) : 0.3;
+  }
+
+  /// After a keyframe: all poses of the window together, then the oldest leaves.
+  void RefineWindow(PoseEstimate* pose) {
+    optimizer_.Optimize(window_, gravity_.down_world, noise_scale_, config_.optimizer_iterations);
+    if (static_cast<int>(window_.keyframes.size()) > config_.window_keyframes)
+      optimizer_.DropOldest(window_, gravity_.down_world, noise_scale_);
+    keyframe_covariance_ = optimizer_.newest_covariance();
+    const Keyframe& newest = window_.keyframes.back();
+    pose->T_world_left = newest.T_world_left;
+    pose->covariance = keyframe_covariance_;
+    if (imu_in_use_) {
+      imu_velocity_world_ = newest.velocity_world;
+      gravity_.sigma_rad = optimizer_.gravity_sigma_rad();
+    }
   }
 
   /// Moves everything a little towards where the map wants it.
@@ -179,6 +275,7 @@ class VisualOdometry::Impl {
         T_world_here * Perturb(Eigen::Isometry3d::Identity(), share * step) * T_world_here.inverse();
     for (Keyframe& keyframe : window_.keyframes) keyframe.T_world_left = move * keyframe.T_world_left;
     last_->T_world_left = move * last_->T_world_left;
+    optimizer_.Move(move);
     correction_ = correction_ * move.inverse();
   }
 
@@ -256,7 +353,7 @@ class VisualOdometry::Impl {
     usual_share_ += kRate * (best->share - usual_share_);
 
     const Eigen::Isometry3d T_rough = best->solution.T_world_left;
-    prior.information *= 0.01;  // only against what the images leave open
+    if (!imu_in_use_) prior.information *= 0.01;  // only against what the images leave open
     for (const int start_level : {1, 2}) {
       Found fine =
           Solve(tracker_.Track(window_, left, right, T_rough, vertical_px_, {start_level, 0, 2, true}), prior,
@@ -319,6 +416,8 @@ class VisualOdometry::Impl {
     pose.vertical_disparity_px = vertical_px_;
     velocity_world_ = mean_velocity_world_;
     rotation_rate_.setZero();
+    imu_velocity_world_ = predicted.velocity_world;
+    imu_velocity_sigma_ += kGravityMagnitude * gravity_.sigma_rad * predicted.dt_s + 0.01 * predicted.dt_s;
     Remember(pose);
     return pose;
   }
@@ -337,9 +436,13 @@ class VisualOdometry::Impl {
     }
     if (++num_strange_frames_ < kMaxStrangeFrames) return pose;
     num_strange_frames_ = 0;
+    const KeyframeState biases = window_.keyframes.back();
     window_ = {};
-    keyframe_covariance_ = pose.covariance;
     AddKeyframe(frame, left, right, pose.T_world_left, {}, {});
+    window_.keyframes.back().gyro_bias = biases.gyro_bias;
+    window_.keyframes.back().accel_bias = biases.accel_bias;
+    window_.keyframes.back().velocity_world = imu_velocity_world_;
+    StartWindow(pose.covariance);
     return pose;
   }
 
@@ -410,6 +513,14 @@ class VisualOdometry::Impl {
     keyframe.t_capture = frame.t_capture;
     keyframe.T_world_left = T_world_left;
     keyframe.left = left;
+    if (imu_in_use_ && !window_.keyframes.empty()) {
+      keyframe.velocity_world = imu_velocity_world_;
+      keyframe.gyro_bias = window_.keyframes.back().gyro_bias;
+      keyframe.accel_bias = window_.keyframes.back().accel_bias;
+      if (keyframe_imu_gapless_) keyframe.imu = imu_since_keyframe_;
+    }
+    imu_since_keyframe_.reset();
+    keyframe_imu_gapless_ = true;
 
     // Cells where a landmark is seen much as in its host need no new one.
     constexpr double kSameScale = 1.4;
@@ -422,25 +533,15 @@ class VisualOdometry::Impl {
       if (matches[i].scale < kSameScale && matches[i].scale > 1.0 / kSameScale)
         occupied[static_cast<std::size_t>(grid_.CellOf(m.uvd.x(), m.uvd.y()))] = true;
     }
-    if (!window_.keyframes.empty()) {
-      const Eigen::Isometry3d T_keyframe_left =
-          window_.keyframes.back().T_world_left.inverse() * T_world_left;
-      const Matrix6d transport = ErrorTransport(T_keyframe_left);
-      keyframe_covariance_ =
-          transport * keyframe_covariance_ * transport.transpose() + solution.information.inverse();
-    }
     window_.keyframes.push_back(std::move(keyframe));
     for (Landmark& landmark : finder_.Find(left, right, occupied, vertical_px_)) {
       landmark.id = next_landmark_id_++;
       landmark.host = window_.keyframes.back().id;
       window_.landmarks.push_back(std::move(landmark));
     }
-    if (static_cast<int>(window_.keyframes.size()) > config_.window_keyframes) window_.keyframes.pop_front();
-    const KeyframeId oldest = window_.keyframes.front().id;
     constexpr int kMaxFailures = 3;
-    std::erase_if(window_.landmarks, [&](const Landmark& landmark) {
-      return landmark.host < oldest || landmark.num_failures >= kMaxFailures;
-    });
+    std::erase_if(window_.landmarks,
+                  [](const Landmark& landmark) { return landmark.num_failures >= kMaxFailures; });
 
     std::vector<bool> covered = occupied;
     for (const Landmark& landmark : window_.landmarks)
@@ -458,6 +559,8 @@ class VisualOdometry::Impl {
   LandmarkTracker tracker_;
   FeatureFinder finder_;
 
+  WindowOptimizer optimizer_;
+
   Window window_;
   KeyframeId next_keyframe_id_ = 0;
   std::int64_t next_landmark_id_ = 0;
@@ -468,6 +571,14 @@ class VisualOdometry::Impl {
   Eigen::Vector3d velocity_world_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_velocity_world_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_rate_ = Eigen::Vector3d::Zero();
+  bool imu_in_use_ = false;
+  std::optional<ImuSample> newest_sample_;
+  std::optional<ImuPreintegration> imu_since_last_;
+  std::optional<ImuPreintegration> imu_since_keyframe_;
+  bool imu_gapless_ = false;          ///< since the last frame
+  bool keyframe_imu_gapless_ = true;  ///< since the newest keyframe
+  Eigen::Vector3d imu_velocity_world_ = Eigen::Vector3d::Zero();
+  double imu_velocity_sigma_ = 1.0;
   double bridged_s_ = 0.0;
   int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's
 

@@ -25,6 +25,8 @@ struct OdometryConfig {
   int max_disparity_px = 192;
   /// Keyframes that are refined together.
   int window_keyframes = 8;
+  /// Steps of the refinement at each keyframe, at most.
+  int optimizer_iterations = 3;
   /// A new keyframe when features have moved this far by translation, as a share of the focal length.
   double keyframe_parallax = 0.06;
   /// A new keyframe when fewer than this share of the cells still holds a feature that was found.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,6 +12,7 @@
 #include "core/camera.h"
 #include "core/time.h"
 #include "odometry/image_pyramid.h"
+#include "odometry/imu_preintegration.h"
 
 namespace terrace {
 
@@ -51,12 +53,21 @@ struct Landmark {
   double trust() const;
 };
 
-struct Keyframe {
+/// What one keyframe is known to be.
+struct KeyframeState {
+  Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d velocity_world =
+      Eigen::Vector3d::Zero();  ///< of the IMU; like the biases, only with an IMU
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
+};
+
+struct Keyframe : KeyframeState {
   KeyframeId id = 0;
   FrameId frame_id = 0;
   Timestamp t_capture;
-  Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
   ImagePyramid left;
+  std::optional<ImuPreintegration> imu;  ///< from the keyframe before
 };
 
 /// The keyframes that are still being refined, oldest first, and the landmarks they host.
