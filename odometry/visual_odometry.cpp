@@ -26,6 +26,10 @@ constexpr double kModelRotationSigma = 1.0;     // rad / s
 constexpr double kModelTranslationSigma = 0.8;  // m / s
 constexpr double kGyroRotationSigma = 0.05;     // rad / s
 
+/// One landmark's errors in neighbouring frames resemble each other (texture, interpolation, slant), so that
+/// many observations know less than their number says. Measured on rendered walks, in variance.
+constexpr double kCorrelation = 4.5;
+
 Matrix6d DiagonalCovariance(double rotation_sigma, double translation_sigma) {
   Matrix6d m = Matrix6d::Zero();
   m.diagonal().head<3>().setConstant(rotation_sigma * rotation_sigma);
@@ -73,6 +77,7 @@ class VisualOdometry::Impl {
     if (!last_) return Start(frame, left, right, samples);
 
     Integrate(samples, frame.t_capture);
+    FollowLegs(samples);
     const Motion predicted = Predict(frame.t_capture);
     const auto found = FindPose(left, right, predicted, static_cast<std::uint32_t>(frame.frame_id));
     if (!found) return Unfound(frame, left, right, predicted);
@@ -81,6 +86,8 @@ class VisualOdometry::Impl {
 
     PoseEstimate pose = Tracked(frame, predicted, matches, solution);
     UpdateVelocity(pose, predicted);
+    CheckImu(pose, predicted);
+    FollowAttitude(samples, pose);
     UpdateNoiseScale(solution);
     UpdateVertical(matches, solution);
     CountFailures(matches, solution);
@@ -102,6 +109,7 @@ class VisualOdometry::Impl {
       return pose;
     }
     Integrate(samples, t_capture);
+    FollowLegs(samples);
     return Bridged(frame_id, t_capture, Predict(t_capture), reason);
   }
 
@@ -137,6 +145,7 @@ class VisualOdometry::Impl {
     AddKeyframe(frame, left, right, pose.T_world_left, {}, {});
     StartWindow(Matrix6d::Zero());
     Integrate(samples, frame.t_capture);
+    FollowLegs(samples);
     if (static_cast<int>(window_.landmarks.size()) < config_.min_inliers) {
       window_ = {};
       pose.status = TrackingStatus::kLost;
@@ -148,16 +157,16 @@ class VisualOdometry::Impl {
     return pose;
   }
 
-  /// A fresh prior for a window that holds one keyframe.
+  /// A fresh prior, on the oldest keyframe of the window.
   void StartWindow(const Matrix6d& pose_covariance) {
     optimizer_ = WindowOptimizer(camera_, imu_in_use_ ? mounting_.T_left_imu : std::nullopt);
-    optimizer_.Start(window_.keyframes.front(), pose_covariance, gravity_.sigma_rad);
+    optimizer_.Start(window_.keyframes.front(), pose_covariance / kCorrelation, gravity_.sigma_rad);
     keyframe_covariance_ = pose_covariance;
   }
 
   /// Sums the IMU up since the last frame and since the newest keyframe.
   void Integrate(const SensorSamples& samples, Timestamp t_capture) {
-    if (!config_.use_imu || !mounting_.T_left_imu) return;
+    if (!config_.use_imu || !mounting_.T_left_imu || imu_refused_) return;
     constexpr double kMaxGap_s = 0.05;
     const KeyframeState& biases = window_.keyframes.back();
     imu_since_last_ = ImuPreintegration(mounting_.imu_noise, biases.gyro_bias, biases.accel_bias);
@@ -192,6 +201,50 @@ class VisualOdometry::Impl {
     }
   }
 
+  /// How the legs say that the body moved since the last frame: relative motion, the pose itself means
+  /// nothing.
+  void FollowLegs(const SensorSamples& samples) {
+    leg_motion_.reset();
+    if (!config_.use_priors || !mounting_.T_body_left) return;
+    for (const BodyPrior& prior : samples.priors) {
+      if (prior.kind != PriorKind::kLegOdometry) continue;
+      if (newest_leg_) {
+        const Eigen::Isometry3d step = newest_leg_->T_odom_body.inverse() * prior.T_odom_body;
+        if (!leg_motion_) {
+          leg_motion_ = prior;
+          leg_motion_->T_odom_body = step;
+        } else {
+          leg_motion_->T_odom_body = leg_motion_->T_odom_body * step;
+        }
+        leg_motion_->covariance = prior.covariance;
+      }
+      newest_leg_ = prior;
+    }
+  }
+
+  /// The robot's own attitude, at a tracked frame, makes up better known.
+  void FollowAttitude(const SensorSamples& samples, const PoseEstimate& pose) {
+    if (!config_.use_priors || !mounting_.T_body_left || imu_in_use_) return;
+    const BodyPrior* newest = nullptr;
+    for (const BodyPrior& prior : samples.priors)
+      if (prior.kind == PriorKind::kAttitude) newest = &prior;
+    if (!newest) return;
+    constexpr double kMinSigmaRad = 0.002;
+    constexpr double kDriftRad = 0.0002;  // of the pose, per frame
+    constexpr double kBias = 0.8;         // share of its error that averaging cannot remove
+    const double own =
+        std::max(std::sqrt(0.5 * (newest->covariance(0, 0) + newest->covariance(1, 1))), kMinSigmaRad);
+    const Eigen::Vector3d down_body = -(newest->T_odom_body.linear().transpose() * Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d down_world =
+        pose.T_world_left.linear() * (mounting_.T_body_left->linear().transpose() * down_body);
+    const double before = gravity_.sigma_rad * gravity_.sigma_rad + kDriftRad * kDriftRad;
+    const double gain = gravity_.source == GravitySource::kAttitude ? before / (before + own * own) : 1.0;
+    gravity_.down_world = ((1.0 - gain) * gravity_.down_world + gain * down_world).normalized();
+    gravity_.sigma_rad =
+        std::max(std::sqrt((1.0 - gain) * before + (gain == 1.0 ? own * own : 0.0)), kBias * own);
+    gravity_.source = GravitySource::kAttitude;
+  }
+
   Motion Predict(Timestamp t_capture) const {
     Motion motion;
     motion.dt_s = Seconds(t_capture - last_->t_capture);
@@ -205,6 +258,17 @@ class VisualOdometry::Impl {
       const double fall_m = 0.5 * kGravityMagnitude * gravity_.sigma_rad * motion.dt_s * motion.dt_s;
       motion.covariance = DiagonalCovariance(kGyroRotationSigma * motion.dt_s + 0.001,
                                              imu_velocity_sigma_ * motion.dt_s + fall_m + 0.001);
+      return motion;
+    }
+    if (leg_motion_) {
+      motion.T_last_left =
+          mounting_.T_body_left->inverse() * leg_motion_->T_odom_body * *mounting_.T_body_left;
+      motion.velocity_world = imu_velocity_world_;
+      const Matrix6d transport = ErrorTransport(*mounting_.T_body_left);
+      constexpr double kLegRotationSigma = 0.01;
+      constexpr double kLegTranslationSigma = 0.005;
+      motion.covariance = transport * leg_motion_->covariance * transport.transpose() +
+                          DiagonalCovariance(kLegRotationSigma, kLegTranslationSigma);
       return motion;
     }
     // What the body does just now soon turns into what it does on average.
@@ -244,12 +308,32 @@ class VisualOdometry::Impl {
     imu_velocity_sigma_ = imu_gapless_ ? std::max(kSeenSigma, 0.3 * imu_velocity_sigma_) : 0.3;
   }
 
+  /// An IMU whose turns the images contradict again and again is mounted or timed differently than we were
+  /// told.
+  void CheckImu(const PoseEstimate& pose, const Motion& predicted) {
+    if (!imu_in_use_ || !imu_gapless_) return;
+    constexpr double kMaxErrorRad = 0.015;
+    constexpr double kMaxErrorRate = 0.3;  // rad / s
+    constexpr int kMaxContradictions = 8;
+    const Eigen::Matrix3d error = predicted.T_last_left.linear().transpose() * pose.T_prev_left.linear();
+    const bool contradicts = LogRotation(error).norm() > kMaxErrorRad + kMaxErrorRate * predicted.dt_s;
+    num_contradictions_ = std::max(0, num_contradictions_ + (contradicts ? 1 : -1));
+    if (num_contradictions_ < kMaxContradictions) return;
+    imu_in_use_ = false;
+    imu_refused_ = true;
+    warnings_.push_back(
+        "the IMU turns otherwise than the images: not used any more; check T_BS of the IMU and its clock");
+    gravity_.source = mounting_.T_body_left ? GravitySource::kMounting : GravitySource::kAssumed;
+    gravity_.sigma_rad = std::max(gravity_.sigma_rad, 0.05);
+    StartWindow(keyframe_covariance_);
+  }
+
   /// After a keyframe: all poses of the window together, then the oldest leaves.
   void RefineWindow(PoseEstimate* pose) {
     optimizer_.Optimize(window_, gravity_.down_world, noise_scale_, config_.optimizer_iterations);
     if (static_cast<int>(window_.keyframes.size()) > config_.window_keyframes)
       optimizer_.DropOldest(window_, gravity_.down_world, noise_scale_);
-    keyframe_covariance_ = optimizer_.newest_covariance();
+    keyframe_covariance_ = kCorrelation * optimizer_.newest_covariance();
     const Keyframe& newest = window_.keyframes.back();
     pose->T_world_left = newest.T_world_left;
     pose->covariance = keyframe_covariance_;
@@ -354,7 +438,7 @@ class VisualOdometry::Impl {
 
     const Eigen::Isometry3d T_rough = best->solution.T_world_left;
     if (!imu_in_use_) prior.information *= 0.01;  // only against what the images leave open
-    for (const int start_level : {1, 2}) {
+    for (const int start_level : {0, 2}) {
       Found fine =
           Solve(tracker_.Track(window_, left, right, T_rough, vertical_px_, {start_level, 0, 2, true}), prior,
                 seed);
@@ -380,7 +464,7 @@ class VisualOdometry::Impl {
     pose.status = TrackingStatus::kTracking;
     pose.T_world_left = solution.T_world_left;
     pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
-    const Matrix6d own = solution.information.inverse();
+    const Matrix6d own = kCorrelation * solution.information.inverse();
     pose.covariance_prev = own;
     const Eigen::Isometry3d T_keyframe_left =
         window_.keyframes.back().T_world_left.inverse() * pose.T_world_left;
@@ -572,7 +656,11 @@ class VisualOdometry::Impl {
   Eigen::Vector3d mean_velocity_world_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_rate_ = Eigen::Vector3d::Zero();
   bool imu_in_use_ = false;
+  bool imu_refused_ = false;
+  int num_contradictions_ = 0;  ///< frames that the IMU turned otherwise, less those it did not
   std::optional<ImuSample> newest_sample_;
+  std::optional<BodyPrior> newest_leg_;
+  std::optional<BodyPrior> leg_motion_;  ///< since the last frame
   std::optional<ImuPreintegration> imu_since_last_;
   std::optional<ImuPreintegration> imu_since_keyframe_;
   bool imu_gapless_ = false;          ///< since the last frame

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/visual_odometry.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "odometry/rotation.h"
+
+namespace terrace {
+namespace {
+
+const StereoCamera kCamera{320, 240, 200.0, 200.0, 159.5, 119.5, 0.12};
+constexpr int kTextureSize = 512;
+
+/// A floor 0.5 m below the camera and a wall 3 m ahead, both with smooth noise on them.
+class TinyWorld {
+ public:
+  TinyWorld() {
+    std::mt19937 random(1);
+    cv::Mat1f noise(kTextureSize, kTextureSize);
+    for (float& value : noise) value = static_cast<float>(random() % 1000) / 1000.0f;
+    cv::Mat1f fine, coarse;
+    cv::GaussianBlur(noise, fine, {}, 1.5, 1.5, cv::BORDER_WRAP);
+    cv::GaussianBlur(noise, coarse, {}, 8.0, 8.0, cv::BORDER_WRAP);
+    texture_ = 128.0f + 500.0f * (fine - 0.5f) + 2500.0f * (coarse - 0.5f);
+  }
+
+  cv::Mat1b View(const Eigen::Isometry3d& T_start_camera, double gain = 1.0) const {
+    cv::Mat1b image(kCamera.height, kCamera.width);
+    const Eigen::Vector3d eye = T_start_camera.translation();
+    for (int v = 0; v < image.rows; ++v) {
+      for (int u = 0; u < image.cols; ++u) {
+        const Eigen::Vector3d ray =
+            T_start_camera.linear() *
+            Eigen::Vector3d((u - kCamera.cx) / kCamera.fx, (v - kCamera.cy) / kCamera.fy, 1.0);
+        const double to_floor = ray.y() > 1e-6 ? (0.5 - eye.y()) / ray.y() : 1e9;
+        const double to_wall = ray.z() > 1e-6 ? (3.0 - eye.z()) / ray.z() : 1e9;
+        const Eigen::Vector3d p = eye + std::min(to_floor, to_wall) * ray;
+        const double grey =
+            to_floor < to_wall ? Grey(p.x() * 150.0, p.z() * 150.0) : Grey(p.x() * 60.0 + 99.0, p.y() * 60.0);
+        image(v, u) = cv::saturate_cast<std::uint8_t>(gain * grey);
+      }
+    }
+    return image;
+  }
+
+  StereoFrame Frame(FrameId id, const Eigen::Isometry3d& T_start_left, double gain = 1.0) const {
+    StereoFrame frame;
+    frame.frame_id = id;
+    frame.t_capture = Timestamp{1'000'000'000 + id * 66'000'000};
+    frame.left = View(T_start_left, gain);
+    frame.right = View(T_start_left * Eigen::Translation3d(kCamera.baseline_m, 0, 0), gain);
+    return frame;
+  }
+
+ private:
+  double Grey(double x, double y) const {
+    const double fx = x - std::floor(x), fy = y - std::floor(y);
+    const int ix = static_cast<int>(std::floor(x)) & (kTextureSize - 1),
+              iy = static_cast<int>(std::floor(y)) & (kTextureSize - 1);
+    const int jx = (ix + 1) & (kTextureSize - 1), jy = (iy + 1) & (kTextureSize - 1);
+    return (1 - fy) * ((1 - fx) * texture_(iy, ix) + fx * texture_(iy, jx)) +
+           fy * ((1 - fx) * texture_(jy, ix) + fx * texture_(jy, jx));
+  }
+  cv::Mat1f texture_;
+};
+
+const TinyWorld& World() {
+  static const TinyWorld world;
+  return world;
+}
+
+/// A bouncing walk: 2.5 cm a frame, with turns.
+Eigen::Isometry3d Walk(int frame) {
+  Vector6d step;
+  step << 0.02 * std::sin(0.9 * frame), 0.03 * std::sin(0.3 * frame), 0.01 * std::sin(0.5 * frame),
+      0.01 * std::sin(0.4 * frame), 0.015 * std::sin(1.1 * frame), 0.025 * frame;
+  return Perturb(Eigen::Isometry3d::Identity(), step);
+}
+
+Eigen::Isometry3d FromStart(const PoseEstimate& first, const PoseEstimate& pose) {
+  return first.T_world_left.inverse() * pose.T_world_left;
+}
+
+double ErrorMm(const PoseEstimate& first, const PoseEstimate& pose, int frame) {
+  return 1e3 *
+         (FromStart(first, pose).translation() - (Walk(0).inverse() * Walk(frame)).translation()).norm();
+}
+
+TEST(VisualOdometryTest, FollowsABouncingWalkToAMillimetre) {
+  VisualOdometry odometry({}, kCamera, {});
+  PoseEstimate first;
+  for (int i = 0; i < 24; ++i) {
+    const PoseEstimate pose = odometry.Track(World().Frame(i, Walk(i)), {});
+    ASSERT_EQ(pose.status, TrackingStatus::kTracking) << "frame " << i << ": " << pose.reason;
+    if (i == 0) {
+      first = pose;
+      EXPECT_TRUE(pose.covariance.isZero());
+    }
+    EXPECT_LT(ErrorMm(first, pose, i), 2.0) << "frame " << i;
+  }
+}
+
+TEST(VisualOdometryTest, BridgesBlackFramesAndSaysSoAndFindsBack) {
+  VisualOdometry odometry({}, kCamera, {});
+  PoseEstimate first, pose;
+  double sigma_before = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    StereoFrame frame = World().Frame(i, Walk(i));
+    const bool black = i >= 12 && i < 16;
+    if (black) {
+      frame.left.setTo(2);
+      frame.right.setTo(2);
+    }
+    pose = odometry.Track(frame, {});
+    if (i == 0) first = pose;
+    EXPECT_EQ(pose.status, black ? TrackingStatus::kBridging : TrackingStatus::kTracking) << "frame " << i;
+    EXPECT_EQ(pose.reason.empty(), !black);
+    if (black) EXPECT_GT(pose.covariance(5, 5), sigma_before) << "frame " << i;
+    sigma_before = pose.covariance(5, 5);
+  }
+  EXPECT_LT(ErrorMm(first, pose, 19), 3.0);
+}
+
+TEST(VisualOdometryTest, IsLostAfterBridgingTooLongAndFindsBackToItsKeyframes) {
+  VisualOdometry odometry({}, kCamera, {});
+  PoseEstimate first, pose;
+  for (int i = 0; i < 8; ++i) {
+    pose = odometry.Track(World().Frame(i, Walk(i)), {});
+    if (i == 0) first = pose;
+  }
+  for (int i = 8; i < 50; ++i)
+    pose = odometry.Bridge(i, Timestamp{1'000'000'000 + i * 66'000'000ll}, {}, "the image cannot be read");
+  EXPECT_EQ(pose.status, TrackingStatus::kLost);
+  EXPECT_EQ(pose.reason, "the image cannot be read");
+  StereoFrame frame = World().Frame(50, Walk(8));
+  pose = odometry.Track(frame, {});
+  EXPECT_EQ(pose.status, TrackingStatus::kTracking);
+  EXPECT_LT(ErrorMm(first, pose, 8), 3.0);
+}
+
+TEST(VisualOdometryTest, StandsStillUnderNoiseAndChangingExposure) {
+  VisualOdometry odometry({}, kCamera, {});
+  std::mt19937 random(2);
+  PoseEstimate first;
+  for (int i = 0; i < 12; ++i) {
+    StereoFrame frame = World().Frame(i, Walk(0), 1.0 + 0.3 * std::sin(i));
+    for (cv::Mat1b* image : {&frame.left, &frame.right})
+      for (std::uint8_t& grey : *image)
+        grey = cv::saturate_cast<std::uint8_t>(grey + static_cast<int>(random() % 7) - 3);
+    const PoseEstimate pose = odometry.Track(frame, {});
+    if (i == 0) first = pose;
+    EXPECT_LT(ErrorMm(first, pose, 0), 1.0) << "frame " << i;
+  }
+}
+
+TEST(VisualOdometryTest, GivesTheSameBitsForAnyNumberOfThreads) {
+  std::vector<Eigen::Matrix4d> poses[2];
+  for (int run = 0; run < 2; ++run) {
+    cv::setNumThreads(run == 0 ? 1 : 3);
+    VisualOdometry odometry({}, kCamera, {});
+    for (int i = 0; i < 8; ++i)
+      poses[run].push_back(odometry.Track(World().Frame(i, Walk(i)), {}).T_world_left.matrix());
+  }
+  cv::setNumThreads(-1);
+  EXPECT_EQ(poses[0], poses[1]);
+}
+
+TEST(VisualOdometryTest, WaitsForSomethingToSee) {
+  VisualOdometry odometry({}, kCamera, {});
+  StereoFrame black = World().Frame(0, Walk(0));
+  black.left.setTo(0);
+  black.right.setTo(0);
+  const PoseEstimate nothing = odometry.Track(black, {});
+  EXPECT_EQ(nothing.status, TrackingStatus::kLost);
+  EXPECT_FALSE(nothing.reason.empty());
+  EXPECT_EQ(odometry.Track(World().Frame(1, Walk(0)), {}).status, TrackingStatus::kTracking);
+}
+
+TEST(VisualOdometryTest, TakesOverACorrectionWithoutAJump) {
+  VisualOdometry odometry({}, kCamera, {});
+  const PoseEstimate first = odometry.Track(World().Frame(0, Walk(0)), {});
+  PoseCorrection correction;
+  correction.T_corrected_world.translation() << 0.0, 0.0, 0.003;
+  odometry.Apply(correction);
+  PoseEstimate before = first;
+  for (int i = 1; i < 10; ++i) {
+    const PoseEstimate pose = odometry.Track(World().Frame(i, Walk(0)), {});
+    EXPECT_LT((pose.T_world_left.translation() - before.T_world_left.translation()).norm(), 0.001);
+    before = pose;
+  }
+  EXPECT_NEAR(before.T_world_left.translation().z() - first.T_world_left.translation().z(), 0.003, 0.0005);
+}
+
+TEST(VisualOdometryTest, TakesUpFromPlanesOnlyWhenNothingBetterIsKnown) {
+  VisualOdometry odometry({}, kCamera, {});
+  odometry.Track(World().Frame(0, Walk(0)), {});
+  EXPECT_EQ(odometry.gravity().source, GravitySource::kAssumed);
+  GravityHint hint;
+  hint.down_world = Eigen::Vector3d(0.1, 0.0, -1.0).normalized();
+  hint.sigma_rad = 0.01;
+  odometry.Apply(hint);
+  EXPECT_EQ(odometry.gravity().source, GravitySource::kPlane);
+  EXPECT_TRUE(odometry.gravity().down_world.isApprox(hint.down_world));
+  GravityHint worse = hint;
+  worse.down_world = -Eigen::Vector3d::UnitZ();
+  worse.sigma_rad = 0.1;
+  odometry.Apply(worse);
+  EXPECT_TRUE(odometry.gravity().down_world.isApprox(hint.down_world));
+}
+
+TEST(VisualOdometryTest, NamesTheCalibrationWhenTheRightImageLiesLower) {
+  VisualOdometry odometry({}, kCamera, {});
+  StereoFrame frame = World().Frame(0, Walk(0));
+  cv::Mat lower;
+  cv::copyMakeBorder(frame.right.rowRange(0, frame.right.rows - 1), lower, 1, 0, 0, 0, cv::BORDER_REPLICATE);
+  frame.right = lower;
+  for (int i = 0; i < 60; ++i) {
+    frame.frame_id = i;
+    frame.t_capture = Timestamp{1'000'000'000 + i * 66'000'000ll};
+    odometry.Track(frame, {});
+  }
+  ASSERT_EQ(odometry.warnings().size(), 1u);
+  EXPECT_NE(odometry.warnings()[0].find("calibrat"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace terrace
