@@ -9,6 +9,8 @@ namespace {
 
 /// Heights that differ by less are the same.
 constexpr double kSameHeight = 0.05;
+/// By how much a walkable plane may rise or fall within kEdgeReach.
+constexpr double kPlaneSlack = 0.06;
 
 bool Near(const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& p) {
   const Eigen::Vector3d outside = (bounds.min() - p).cwiseMax(p - bounds.max());
@@ -42,7 +44,9 @@ EdgeKind KindBeside(const Surface& other, const Eigen::Vector3d& p) {
       return EdgeKind::kDrop;
     return EdgeKind::kLimitOfView;
   }
-  if (other.lean != Lean::kSupport) return EdgeKind::kLimitOfView;
+  // Heights are quicker to compare than outlines. What is higher is no drop, and no rise without a face.
+  if (other.lean != Lean::kSupport || other.HeightAt(p.head<2>()) - p.z() > kSameHeight + kPlaneSlack)
+    return EdgeKind::kLimitOfView;
   Eigen::Vector2d q;
   if (other.PlanDistance(p.head<2>(), &q) > kEdgeReach) return EdgeKind::kLimitOfView;
   const double height = other.HeightAt(q) - p.z();
@@ -76,7 +80,9 @@ EdgeKind KindOfFaceEdge(const Surface& other, const Eigen::Vector3d& p) {
     const bool beside = column && p.z() > column->bottom_m - kEdgeReach && p.z() < column->top_m + kEdgeReach;
     return beside ? EdgeKind::kJoins : EdgeKind::kLimitOfView;
   }
-  if (other.lean != Lean::kSupport) return EdgeKind::kLimitOfView;
+  if (other.lean != Lean::kSupport ||
+      std::abs(other.HeightAt(p.head<2>()) - p.z()) > kEdgeReach + kPlaneSlack)
+    return EdgeKind::kLimitOfView;
   Eigen::Vector2d q;
   if (other.PlanDistance(p.head<2>(), &q) > kEdgeReach) return EdgeKind::kLimitOfView;
   return std::abs(other.HeightAt(q) - p.z()) <= kEdgeReach ? EdgeKind::kJoins : EdgeKind::kLimitOfView;
@@ -98,9 +104,11 @@ std::vector<EdgeKind> EdgeKindsOf(int i, const std::vector<SurfacePtr>& surfaces
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const Eigen::Vector3d p = R_level_world * (0.5 * (ring[k] + ring[(k + 1) % ring.size()]));
       EdgeKind kind = EdgeKind::kLimitOfView;
-      for (const Surface* other : others)
+      for (const Surface* other : others) {
+        if (kind == EdgeKind::kRise) break;  // nothing is stronger
         kind =
             Stronger(kind, self.lean == Lean::kSupport ? KindBeside(*other, p) : KindOfFaceEdge(*other, p));
+      }
       kinds.push_back(kind);
     }
   };

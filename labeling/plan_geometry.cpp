@@ -82,15 +82,31 @@ bool Contains(const PlanRing& ring, const Eigen::Vector2d& p) {
 }
 
 Eigen::Vector2d NearestOnRing(const PlanRing& ring, const Eigen::Vector2d& p) {
+  // The labels spend most of their time here: plain numbers, no division for edges that are too far away.
   Eigen::Vector2d nearest = ring.front();
   double nearest2 = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-    const Eigen::Vector2d q = NearestOnSegment(ring[j], ring[i], p);
-    const double d2 = (q - p).squaredNorm();
-    if (d2 < nearest2) {
-      nearest2 = d2;
-      nearest = q;
+  double ax = ring.back().x() - p.x();
+  double ay = ring.back().y() - p.y();
+  for (const Eigen::Vector2d& end : ring) {
+    const double bx = end.x() - p.x();
+    const double by = end.y() - p.y();
+    const double dx = bx - ax;
+    const double dy = by - ay;
+    const double length2 = dx * dx + dy * dy;
+    const double cross = ax * by - ay * bx;
+    // The line through the edge is no nearer than the edge itself.
+    if (cross * cross < nearest2 * length2) {
+      const double t = std::clamp(-(ax * dx + ay * dy) / length2, 0.0, 1.0);
+      const double qx = ax + t * dx;
+      const double qy = ay + t * dy;
+      const double d2 = qx * qx + qy * qy;
+      if (d2 < nearest2) {
+        nearest2 = d2;
+        nearest = {p.x() + qx, p.y() + qy};
+      }
     }
+    ax = bx;
+    ay = by;
   }
   return nearest;
 }

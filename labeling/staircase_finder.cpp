@@ -87,6 +87,7 @@ class FlightSearch {
   double Collect(const std::vector<Element>& elements, const Stride& stride, double period,
                  std::vector<Fit>* fits) const;
   void Refine(Flight& flight) const;
+  std::optional<Flight> TurnToMembers(const Flight& flight) const;
   Interval AlongExtent(const Surface& surface, const FlightModel& frame) const;
   Interval LateralExtent(const Surface& surface, const FlightModel& frame) const;
   double HeightNear(const Surface& surface, const FlightModel& frame, double along, double lateral) const;
@@ -379,7 +380,51 @@ std::optional<Flight> FlightSearch::BestStride(const FlightModel& frame,
   }
   if (best.stride.rise <= 0.0) return std::nullopt;
   Refine(best);
-  return best;
+  // The direction was a rough vote of everything about: its own members know better.
+  std::optional<Flight> turned = TurnToMembers(best);
+  return turned && turned->score > best.score - 0.5 ? turned : best;
+}
+
+/// The same straight flight, measured along the direction on which its risers (none: its treads) agree.
+std::optional<Flight> FlightSearch::TurnToMembers(const Flight& flight) const {
+  if (flight.frame.spiral || flight.fits.empty()) return std::nullopt;
+  Eigen::Vector2d risers = Eigen::Vector2d::Zero();
+  Eigen::Vector2d treads = Eigen::Vector2d::Zero();
+  std::vector<Candidate> members;
+  for (const Fit& fit : flight.fits) {
+    const Element& e = flight.elements[fit.element];
+    const Surface& s = *surfaces_[e.surface];
+    members.push_back({e.surface, e.riser});
+    if (e.riser) {
+      risers -= s.area_m2 * s.front();
+    } else {
+      const Eigen::Vector2d across = s.rectangle.short_axis();
+      treads += s.area_m2 * (across.dot(flight.frame.direction) > 0.0 ? across : Eigen::Vector2d(-across));
+    }
+  }
+  const Eigen::Vector2d sum = risers.isZero() ? treads : risers;
+  if (sum.norm() <= 0.0) return std::nullopt;
+  Flight turned;
+  turned.frame.direction = sum.normalized();
+  turned.stride = flight.stride;
+  turned.elements = Measure(members, turned.frame);
+  // Where each member says that the foot edge is.
+  double feet = 0.0, weight = 0.0;
+  Interval lateral{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const Element& e : turned.elements) {
+    const auto fit = std::find_if(flight.fits.begin(), flight.fits.end(), [&](const Fit& f) {
+      return flight.elements[f.element].surface == e.surface;
+    });
+    const double trust = e.riser ? 1.0 : 0.3;  // as in Refine
+    feet += trust * (e.along.low - (fit->step_index - 1) * flight.stride.run);
+    weight += trust;
+    lateral = {std::min(lateral.low, e.lateral.low), std::max(lateral.high, e.lateral.high)};
+  }
+  if (weight <= 0.0) return std::nullopt;
+  turned.stride.along0 = feet / weight;
+  turned.stride.lateral = lateral;
+  Refine(turned);
+  return turned;
 }
 
 /// Least squares of y = a + b x with weights; none when all x are equal.
@@ -412,7 +457,10 @@ void FlightSearch::Refine(Flight& flight) const {
     for (const Fit& fit : fits)
       area[{fit.step_index, flight.elements[fit.element].riser}] += flight.elements[fit.element].area_m2;
     std::vector<std::array<double, 3>> heights, edges;
-    std::vector<double> left, right;
+    // Of a face both ends are seen from afar, of a tread often only a part.
+    std::vector<Interval> widths;
+    const bool any_riser = std::any_of(fits.begin(), fits.end(),
+                                       [&](const Fit& fit) { return flight.elements[fit.element].riser; });
     for (const Fit& fit : fits) {
       const Element& e = flight.elements[fit.element];
       const double weight = e.area_m2 / std::max(1e-9, area[{fit.step_index, e.riser}]);
@@ -427,18 +475,20 @@ void FlightSearch::Refine(Flight& flight) const {
         heights.push_back({static_cast<double>(fit.step_index), e.z, weight});
         edges.push_back({fit.step_index - 1.0, along, 0.3 * weight});
       }
-      left.push_back(e.lateral.high);
-      right.push_back(e.lateral.low);
+      if (e.riser == any_riser) widths.push_back(e.lateral);
     }
     const auto z = FitLine(heights);
     const auto along = FitLine(edges);
     if (!z || !along) break;
     Stride refined{along->first, along->second, z->first, z->second, flight.stride.lateral};
-    // What most steps reach: a few are cut off by the limit of view, and a few spill over.
-    const auto quarter = static_cast<std::ptrdiff_t>(left.size() / 4);
-    std::nth_element(left.begin(), left.end() - 1 - quarter, left.end());
-    std::nth_element(right.begin(), right.begin() + quarter, right.end());
-    refined.lateral = {*(right.begin() + quarter), *(left.end() - 1 - quarter)};
+    // A few are cut off by the limit of view, and a few run on beside the stairs: the middle one of the ends.
+    const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+    std::nth_element(widths.begin(), middle, widths.end(),
+                     [](const Interval& a, const Interval& b) { return a.high < b.high; });
+    refined.lateral.high = middle->high;
+    std::nth_element(widths.begin(), middle, widths.end(),
+                     [](const Interval& a, const Interval& b) { return a.low < b.low; });
+    refined.lateral.low = middle->low;
     if (!Plausible(refined) || refined.lateral.length() <= 0.0) break;
     if (Collect(flight.elements, refined, period, nullptr) < flight.score - 0.5) break;
     flight.stride = refined;
@@ -464,7 +514,8 @@ std::optional<Flight> FlightSearch::Follow(const FlightModel& known,
   }
   Refine(flight);
   if (flight.fits.empty()) return std::nullopt;
-  return flight;
+  std::optional<Flight> turned = TurnToMembers(flight);
+  return turned && turned->score > flight.score - 0.5 ? turned : flight;
 }
 
 /// Cuts a chain of steps where two levels in a row are missing, keeps the piece with most elements.
@@ -562,7 +613,9 @@ std::optional<FoundStaircase> FlightSearch::Complete(Flight flight, bool known) 
     const Element& e = flight.elements[fit.element];
     const int k = fit.step_index - first + 1;
     if (k < 1 || k > (e.riser ? found.num_risers : found.num_treads)) continue;
-    found.members.push_back({e.surface, e.riser, k});
+    // A wall that goes on beside and above its riser in one plane shows the riser, but is a wall.
+    const double in_riser_m2 = e.lateral.Overlap(stride.lateral) * stride.rise;
+    if (!e.riser || e.area_m2 <= 2.0 * in_riser_m2) found.members.push_back({e.surface, e.riser, k});
     distinct.insert({k, e.riser});
     levels.insert(k);
     const double edge = stride.along0 + (fit.step_index - 1) * stride.run;
@@ -583,7 +636,8 @@ std::optional<FoundStaircase> FlightSearch::Complete(Flight flight, bool known) 
   const double seen = static_cast<double>(distinct.size()) / (found.num_risers + found.num_treads);
   const bool both_ends = found.foot_surface && found.head_surface;
   if (width < config_.min_width_m || levels.size() < 2) return std::nullopt;
-  if (static_cast<int>(distinct.size()) < (known ? 2 : 3) || seen < 0.3) return std::nullopt;
+  if (found.members.empty() || static_cast<int>(distinct.size()) < (known ? 2 : 3)) return std::nullopt;
+  if (seen < (known ? 0.3 : 0.45)) return std::nullopt;
   // Two boxes make two risers as well: then floor, landing and all that lies between must be there.
   if (found.num_risers == 2 && !(both_ends && distinct.size() >= 3)) return std::nullopt;
 
@@ -609,9 +663,13 @@ std::optional<FoundStaircase> FlightSearch::Complete(Flight flight, bool known) 
   const double spread_a = std::sqrt((sum_a2 + 4.0 * prior2) / (num_a + 1));
   found.rise_sigma_m = spread_z / span;
   found.run_sigma_m = spread_a / span;
-  const double enough = 1.0 - std::exp(-0.5 * (static_cast<double>(distinct.size()) - 1.0));
+  // Floor and landing in their places are evidence as well.
+  const double evidence = static_cast<double>(distinct.size()) + (found.foot_surface ? 1.0 : 0.0) +
+                          (found.head_surface ? 1.0 : 0.0);
+  const double enough = 1.0 - std::exp(-0.5 * (evidence - 1.0));
   const double good = std::exp(-0.25 * std::pow(spread_z / config_.height_tolerance_m, 2));
   found.confidence = std::clamp(enough * good * (0.6 + 0.4 * seen), 0.0, 1.0);
+  if (found.confidence < (known ? 0.6 : 1.0) * config_.min_confidence) return std::nullopt;
   return found;
 }
 
@@ -642,6 +700,7 @@ std::vector<std::string> StaircaseConfig::Problems() const {
   need(min_pitch_deg > 0.0 && min_pitch_deg < max_pitch_deg && max_pitch_deg < 90.0,
        "min_pitch_deg and max_pitch_deg must rise between 0 and 90");
   need(min_width_m > 0.0, "min_width_m must be positive");
+  need(min_confidence >= 0.0 && min_confidence < 1.0, "min_confidence must lie between 0 and 1");
   need(height_tolerance_m > 0.0 && height_tolerance_m < 0.5 * min_riser_m,
        "height_tolerance_m must lie between 0 and half of min_riser_m");
   need(edge_tolerance_m > 0.0 && edge_tolerance_m < min_tread_m,

@@ -83,7 +83,8 @@ bool PracticallyEqual(const Staircase& a, const Staircase& b) {
 
 std::vector<FlightModel> StaircaseTracker::models() const {
   std::vector<FlightModel> models;
-  for (const Track& track : tracks_) models.push_back(track.staircase.found.model);
+  for (const Track& track : tracks_)
+    if (track.told) models.push_back(track.staircase.found.model);
   return models;
 }
 

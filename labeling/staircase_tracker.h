@@ -34,7 +34,7 @@ class StaircaseTracker {
  public:
   explicit StaircaseTracker(int num_frames) : num_frames_(num_frames) {}
 
-  /// The laws of all flights that are followed, for StaircaseFinder::Find.
+  /// The laws of all staircases that have been told, for StaircaseFinder::Find.
   std::vector<FlightModel> models() const;
 
   void Update(const std::vector<FoundStaircase>& found, const std::vector<SurfacePtr>& surfaces,

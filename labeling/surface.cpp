@@ -10,7 +10,7 @@ namespace terrace {
 namespace {
 
 /// Outlines follow cells and have many short edges; this much is left out of them.
-constexpr double kSimplifyTolerance = 0.015;
+constexpr double kSimplifyTolerance = 0.025;
 constexpr double kColumnWidth = 0.1;
 constexpr int kMaxColumns = 128;
 

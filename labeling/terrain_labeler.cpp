@@ -64,6 +64,7 @@ class TerrainLabeler::Impl {
         map_(EmptyMap(map_id)) {}
 
   TerrainMapPtr Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity) {
+    ++num_frames_;
     HoldGravity(gravity);
     UpdateSurfaces(update);
     const Eigen::Isometry3d T_level_left = Eigen::Isometry3d(R_level_world_) * pose.T_world_left;
@@ -86,6 +87,7 @@ class TerrainLabeler::Impl {
     TerrainLabel next_label = TerrainLabel::kUnknown;
     int num_next = 0;  ///< frames in a row that said next_label instead of the published one
     std::vector<EdgeKind> edges;
+    bool edges_stale = true;  ///< something beside the surface has changed since
   };
 
   void HoldGravity(const Gravity& gravity) {
@@ -196,10 +198,22 @@ class TerrainLabeler::Impl {
   }
 
   bool Touched(const Surface& surface) const {
-    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(3.0 * kEdgeReach);
+    const Eigen::Vector3d reach = Eigen::Vector3d(kEdgeReach, kEdgeReach, 3.0 * kEdgeReach);
     const Eigen::AlignedBox3d wide(surface.bounds.min() - reach, surface.bounds.max() + reach);
     return std::any_of(touched_.begin(), touched_.end(),
                        [&](const Eigen::AlignedBox3d& box) { return wide.intersects(box); });
+  }
+
+  /// Anew when the region itself has changed; for a change beside it a few frames later will do.
+  void RefreshEdges(int i, Memory& memory) const {
+    constexpr std::int64_t kPeriod = 8;
+    const Surface& surface = *surfaces_[i];
+    const bool changed = !memory.surface || memory.surface->polygon != surface.polygon;
+    if (!changed && !memory.edges_stale) memory.edges_stale = Touched(surface);
+    const bool turn = (num_frames_ + surface.id()) % kPeriod == 0;  // spreads the work over the frames
+    if (!changed && !(memory.edges_stale && turn)) return;
+    memory.edges = EdgeKindsOf(i, surfaces_, R_level_world_);
+    memory.edges_stale = false;
   }
 
   std::map<PolygonId, InStaircase> StairRegions() const {
@@ -294,7 +308,7 @@ class TerrainLabeler::Impl {
       const auto known = memories_.find(surface.id());
       Memory& memory = memories[surface.id()];
       if (known != memories_.end()) memory = std::move(known->second);
-      if (!memory.region || Touched(surface)) memory.edges = EdgeKindsOf(i, surfaces_, R_level_world_);
+      RefreshEdges(i, memory);
       const auto step = stairs.find(surface.id());
       Verdict verdict = verdicts[i];
       if (step != stairs.end()) {
@@ -342,6 +356,7 @@ class TerrainLabeler::Impl {
   StaircaseFinder finder_;
   StaircaseTracker tracker_;
   std::map<PolygonId, Memory> memories_;
+  std::int64_t num_frames_ = 0;
   TerrainMapPtr map_;
 };
 

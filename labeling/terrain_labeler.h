@@ -60,7 +60,7 @@ struct LabelingConfig {
   /// The ground under the robot, which it never sees, is taken to go on in what lies nearest, within this.
   double max_stance_distance_m = 2.0;
   /// Smaller pieces stay unknown unless they are part of a staircase or continue their neighbours.
-  double min_decided_area_m2 = 0.02;
+  double min_decided_area_m2 = 0.04;
   /// A label changes when this many frames in a row say so; a staircase appears after as many.
   int frames_to_change_label = 3;
   /// Heights are measured again when what is known of gravity has turned by more than this.
