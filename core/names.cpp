@@ -3,6 +3,7 @@
 
 #include "core/check.h"
 #include "core/pose_estimate.h"
+#include "core/status.h"
 #include "core/terrain_map.h"
 
 namespace terrace {
@@ -26,6 +27,12 @@ const char* Name(TrackingStatus status) {
 
 const char* Name(GravitySource source) {
   return NameIn(std::array<const char*, 5>{"imu", "attitude", "mounting", "plane", "assumed"}, source);
+}
+
+const char* Name(DaemonState state) {
+  return NameIn(std::array<const char*, 7>{"starting", "running", "degraded", "paused", "no input",
+                                           "no calibration", "stopping"},
+                state);
 }
 
 const char* Name(TerrainLabel label) { return NameIn(kLabelNames, label); }

@@ -19,6 +19,7 @@ enum class DaemonState {
   kNoCalibration = 5,
   kStopping = 6,
 };
+const char* Name(DaemonState state);  ///< "starting", "no calibration", ...
 enum class InputSource { kLive = 0, kReplay = 1 };
 
 /// How one stage fared over the last window.

@@ -67,6 +67,7 @@ class Binding {
     Bind("staircases", &p.staircases);
     Bind("robot", &p.robot);
     Bind("lcm", &config->live);
+    Bind("channels", &config->channels);
   }
 
   const std::vector<Key>& keys() const { return keys_; }

@@ -9,6 +9,7 @@
 
 #include "daemon/live_config.h"
 #include "daemon/pipeline_config.h"
+#include "lcmtypes/channels.h"
 
 namespace terrace {
 
@@ -16,6 +17,7 @@ namespace terrace {
 struct Config {
   PipelineConfig pipeline;
   LiveConfig live;
+  ChannelConfig channels;
 };
 
 /// The configuration cannot be used; what() lists every problem, a line each, with file, key, value and rule.

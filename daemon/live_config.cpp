@@ -1,11 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live_config.h"
 
+#include <sstream>
+#include <tuple>
+
 namespace terrace {
 
 std::vector<std::string> LiveConfig::Problems() const {
-  if (url.find("://") == std::string::npos) return {"url = " + url + " must read provider://address, as LCM has it"};
-  return {};
+  std::vector<std::string> problems;
+  if (url.find("://") == std::string::npos) {
+    problems.push_back("url = " + url + " must read provider://address, as LCM has it");
+  }
+  for (const auto& [name, value, min, max] : {std::tuple{"imu_wait_ms", imu_wait_ms, 0.0, 1000.0},
+                                              std::tuple{"imu_gap_ms", imu_gap_ms, 1.0, 10000.0},
+                                              std::tuple{"max_time_jump_s", max_time_jump_s, 0.1, 3600.0},
+                                              std::tuple{"snapshot_period_s", snapshot_period_s, 0.1, 3600.0},
+                                              std::tuple{"deadline_ms", deadline_ms, 1.0, 60000.0}}) {
+    if (value >= min && value <= max) continue;
+    std::ostringstream text;
+    text << name << " = " << value << " must lie between " << min << " and " << max;
+    problems.push_back(text.str());
+  }
+  return problems;
 }
 
 }  // namespace terrace

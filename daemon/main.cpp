@@ -14,6 +14,7 @@
 
 #include "daemon/config.h"
 #include "daemon/interrupt.h"
+#include "daemon/live.h"
 #include "daemon/replay.h"
 #include "daemon/result_writer.h"
 #include "daemon/version.h"
@@ -32,6 +33,7 @@ struct Arguments {
   std::vector<std::string> settings;
   bool print_config = false;
   ReplayOptions replay;
+  LiveOptions live;
 };
 
 void AddCommonOptions(CLI::App* app, Arguments* arguments) {
@@ -47,10 +49,15 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version", std::string("terraced ") + kVersion);
   Arguments arguments;
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  arguments.replay.num_threads = cores;
+  arguments.replay.num_threads = arguments.live.num_threads = cores;
 
   AddCommonOptions(&app, &arguments);
   app.add_flag("--print-config", arguments.print_config, "Prints the complete configuration file and ends");
+  app.add_option("--output", arguments.live.output, "Folder for the result files, written at the end");
+  app.add_flag("--overwrite", arguments.live.overwrite,
+               "Replace the results of an earlier run in that folder");
+  app.add_option("--threads", arguments.live.num_threads, "Threads that may be used")
+      ->check(CLI::Range(1, 256));
   CLI::App* replay = app.add_subcommand("replay", "Plays a recorded sequence and writes the result files");
   AddCommonOptions(replay, &arguments);
   replay
@@ -86,8 +93,7 @@ int Run(int argc, char** argv) {
     } else if (replay->parsed()) {
       RunReplay(arguments.replay, config);
     } else {
-      std::fputs("terraced: name a subcommand; --help lists them\n", stderr);
-      return kWrongUse;
+      RunLive(arguments.live, config);
     }
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "%s\n", error.what());

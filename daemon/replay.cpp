@@ -2,21 +2,26 @@
 #include "daemon/replay.h"
 
 #include <chrono>
-#include <deque>
 #include <functional>
 #include <memory>
-#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
 #include <thread>
 
+#include <lcm/lcm-cpp.hpp>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
+#include "daemon/handover_times.h"
 #include "daemon/interrupt.h"
 #include "daemon/pipeline.h"
 #include "daemon/progress.h"
 #include "daemon/result_writer.h"
 #include "daemon/self_mask.h"
+#include "daemon/status_reporter.h"
 #include "daemon/summary.h"
+#include "daemon/terrain_publisher.h"
 #include "daemon/threaded_pipeline.h"
 #include "datasets/sequence.h"
 
@@ -24,26 +29,6 @@ namespace terrace {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// When each frame was handed over, so that its latency is known when its map is out.
-class HandoverTimes {
- public:
-  void Add(Timestamp t_capture) {
-    const std::lock_guard lock(mutex_);
-    times_.emplace_back(t_capture, Clock::now());
-  }
-
-  double LatencyMs(Timestamp t_capture) {
-    const std::lock_guard lock(mutex_);
-    while (!times_.empty() && times_.front().first < t_capture) times_.pop_front();  // dropped ones
-    if (times_.empty() || times_.front().first != t_capture) return 0.0;
-    return std::chrono::duration<double, std::milli>(Clock::now() - times_.front().second).count();
-  }
-
- private:
-  std::mutex mutex_;
-  std::deque<std::pair<Timestamp, Clock::time_point>> times_;
-};
 
 /// Sleeps until the frame's recorded distance from the first one has passed; false when interrupted.
 bool WaitForRecordedTime(Clock::time_point start, Timestamp t_first, Timestamp t_capture) {
@@ -54,6 +39,40 @@ bool WaitForRecordedTime(Clock::time_point start, Timestamp t_first, Timestamp t
   }
   return true;
 }
+
+/// Publishes a replay as the live daemon would: every frame, and a status once a second.
+class ReplayPublisher {
+ public:
+  ReplayPublisher(const std::string& url, const Config& config, Pipeline* pipeline)
+      : pipeline_(pipeline),
+        lcm_(url),
+        publisher_(&lcm_, config.channels, pipeline->T_body_left(), config.live.snapshot_period_s),
+        reporter_(InputSource::kReplay, ConfigHash(config), config.live.deadline_ms) {
+    if (!lcm_.good()) throw std::runtime_error("--publish " + url + ": cannot be opened");
+  }
+
+  void Publish(const FrameResult& result, std::optional<double> latency_ms) {
+    publisher_.Publish(result.pose, result.map);
+    reporter_.AddFrameIn();
+    reporter_.AddResult(result, latency_ms.value_or(0.0));
+    if (Clock::now() < status_due_) return;
+    status_due_ = Clock::now() + std::chrono::seconds(1);
+    publisher_.Publish(reporter_.Take(DaemonState::kRunning, &pipeline_->meters()));
+  }
+
+  /// For subscribers that missed the last change.
+  void Finish() {
+    publisher_.SendSnapshot();
+    publisher_.Publish(reporter_.Take(DaemonState::kStopping, &pipeline_->meters()));
+  }
+
+ private:
+  Pipeline* const pipeline_;
+  lcm::LCM lcm_;
+  TerrainPublisher publisher_;
+  StatusReporter reporter_;
+  Clock::time_point status_due_;
+};
 
 }  // namespace
 
@@ -70,6 +89,8 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   ResultWriter writer(options.output, {pipeline.camera(), pipeline.R_rect_raw(), pipeline.T_body_left()},
                       options.save_disparity_every);
   RunSummary summary(info);
+  std::optional<ReplayPublisher> publisher;
+  if (!options.publish_url.empty()) publisher.emplace(options.publish_url, config, &pipeline);
   Progress progress(info.num_frames);
   HandoverTimes handovers;
   const auto start = Clock::now();
@@ -78,6 +99,7 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
     pipeline.meters()["publish"].Run([&] {
       const auto latency_ms =
           options.realtime ? std::optional(handovers.LatencyMs(result.pose.t_capture)) : std::nullopt;
+      if (publisher) publisher->Publish(result, latency_ms);
       writer.AddFrame(result, latency_ms);
     });
     summary.AddFrame(result);
@@ -101,6 +123,7 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
     threads.Finish();
     num_dropped = threads.num_dropped();
   }
+  if (publisher) publisher->Finish();
   if (Interrupted()) spdlog::warn("interrupted: the results hold what was read until then");
 
   RunTotals totals;

@@ -314,6 +314,17 @@ SensorSamples ReadSamples(const fs::path& mav, SequenceInfo* info) {
 
 }  // namespace
 
+StereoCalibration ReadEurocCalibration(const fs::path& path) {
+  const fs::path mav = path / "mav0";
+  Problems problems;
+  StereoCalibration calibration = ReadCalibration(mav, &problems);
+  if (fs::exists(mav / "imu0" / "sensor.yaml")) {
+    ReadImuCalibration(mav / "imu0" / "sensor.yaml", &calibration, &problems);
+  }
+  ThrowIfAny(problems);
+  return calibration;
+}
+
 std::unique_ptr<Sequence> OpenEurocSequence(const fs::path& path) {
   const fs::path mav = path / "mav0";
   Problems problems;

@@ -17,4 +17,9 @@ inline constexpr std::chrono::nanoseconds kMaxPairOffset{500'000};
 /// pair at a time. Throws SequenceError with every problem.
 std::unique_ptr<Sequence> OpenEurocSequence(const std::filesystem::path& path);
 
+/// The calibration alone, of a folder that need not hold images: `mav0/cam0/sensor.yaml`,
+/// `mav0/cam1/sensor.yaml` and, where present, `mav0/imu0/sensor.yaml`. Throws SequenceError with every
+/// problem.
+StereoCalibration ReadEurocCalibration(const std::filesystem::path& path);
+
 }  // namespace terrace

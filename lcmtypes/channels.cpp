@@ -27,7 +27,7 @@ std::vector<std::string> ChannelConfig::Problems() const {
   std::vector<std::string> problems;
   std::map<std::string, std::string> user;
   for (const auto& [field, channel] : channels) {
-    const std::string name = std::string("channels.") + field;
+    const std::string name = field;
     if (channel->empty()) {
       if (channel != &body_pose) problems.push_back(name + " is empty");
       continue;
@@ -43,7 +43,7 @@ std::vector<std::string> ChannelConfig::Problems() const {
     if (!is_new) problems.push_back(name + " and " + other->second + " are both '" + *channel + "'");
   }
   if (body_pose_kind != "leg_odometry" && body_pose_kind != "attitude") {
-    problems.push_back("channels.body_pose_kind = '" + body_pose_kind + "' must be leg_odometry or attitude");
+    problems.push_back("body_pose_kind = '" + body_pose_kind + "' must be leg_odometry or attitude");
   }
   return problems;
 }

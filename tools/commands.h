@@ -22,6 +22,7 @@ void AddDisparityCommand(CLI::App& app);
 void AddDrawCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
+void AddListenCommand(CLI::App& app);
 void AddSynthesizeCommand(CLI::App& app);
 
 }  // namespace terrace

@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   terrace::AddDrawCommand(app);
   terrace::AddEvaluateCommand(app);
   terrace::AddInfoCommand(app);
+  terrace::AddListenCommand(app);
   terrace::AddSynthesizeCommand(app);
 
   try {

@@ -20,10 +20,8 @@ TEST(ChannelConfigTest, RefusesNamesThatLcmCannotCarryAndNamesUsedTwice) {
   config.status = config.terrain;
   config.reply = "";
   config.body_pose_kind = "wheels";
-  EXPECT_THAT(
-      config.Problems(),
-      ElementsAre(HasSubstr("channels.images"), HasSubstr("channels.imu"), HasSubstr("channels.reply"),
-                  HasSubstr("channels.status and channels.terrain"), HasSubstr("body_pose_kind")));
+  EXPECT_THAT(config.Problems(), ElementsAre(HasSubstr("images"), HasSubstr("imu"), HasSubstr("reply"),
+                                             HasSubstr("status and terrain"), HasSubstr("body_pose_kind")));
 }
 
 }  // namespace

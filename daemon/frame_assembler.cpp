@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/frame_assembler.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace terrace {
+namespace {
+
+// A quarter of a minute at 1 kHz: what is kept of samples when no images come.
+constexpr std::size_t kMaxSamples = 16384;
+constexpr std::size_t kMaxWaitingPairs = 8;
+// An IMU that has been silent for this long is not waited for.
+constexpr std::chrono::milliseconds kImuSilent(500);
+
+std::chrono::nanoseconds FromSeconds(double seconds) {
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
+}
+
+template <typename Sample>
+std::vector<Sample> TakeUpTo(Timestamp t, std::deque<Sample>* samples) {
+  const auto end = std::find_if(samples->begin(), samples->end(), [t](const Sample& s) { return s.t > t; });
+  std::vector<Sample> taken(std::make_move_iterator(samples->begin()), std::make_move_iterator(end));
+  samples->erase(samples->begin(), end);
+  return taken;
+}
+
+}  // namespace
+
+bool RisingTimes::Accept(Timestamp t) {
+  if (last_ && t <= *last_) return false;
+  const bool jumps = last_ && t - *last_ > max_jump_;
+  const bool confirmed = suspect_ && t > *suspect_ && t - *suspect_ <= max_jump_;
+  if (jumps && !confirmed) {
+    suspect_ = t;
+    return false;
+  }
+  suspect_.reset();
+  last_ = t;
+  return true;
+}
+
+FrameAssembler::FrameAssembler(const LiveConfig& config)
+    : imu_wait_(FromSeconds(1e-3 * config.imu_wait_ms)),
+      imu_gap_(FromSeconds(1e-3 * config.imu_gap_ms)),
+      pair_times_(FromSeconds(config.max_time_jump_s)),
+      imu_times_(FromSeconds(config.max_time_jump_s)),
+      attitude_times_(FromSeconds(config.max_time_jump_s)),
+      leg_times_(FromSeconds(config.max_time_jump_s)) {}
+
+void FrameAssembler::Add(const ImuSample& sample, ArrivalTime now) {
+  // What belongs to a frame that is out already has come too late.
+  if (!imu_times_.Accept(sample.t) || (last_frame_ && sample.t <= *last_frame_)) {
+    ++num_imu_gaps_;
+    return;
+  }
+  if (last_imu_ && sample.t - *last_imu_ > imu_gap_) ++num_imu_gaps_;
+  last_imu_ = sample.t;
+  imu_arrived_ = now;
+  imu_.push_back(sample);
+  if (imu_.size() > kMaxSamples) imu_.pop_front();
+}
+
+void FrameAssembler::Add(const BodyPrior& prior) {
+  RisingTimes& times = prior.kind == PriorKind::kAttitude ? attitude_times_ : leg_times_;
+  if (!times.Accept(prior.t) || (last_frame_ && prior.t <= *last_frame_)) return;
+  // The two kinds come from two programs, whose messages may overtake one another.
+  const auto place = std::upper_bound(priors_.begin(), priors_.end(), prior.t,
+                                      [](Timestamp t, const BodyPrior& other) { return t < other.t; });
+  priors_.insert(place, prior);
+  if (priors_.size() > kMaxSamples) priors_.pop_front();
+}
+
+void FrameAssembler::Add(StereoPair pair, ArrivalTime now) {
+  if (!pair_times_.Accept(pair.t_capture)) {
+    ++num_time_jumps_;
+    return;
+  }
+  pairs_.push_back({std::move(pair), now});
+}
+
+bool FrameAssembler::ImuIsAlive(ArrivalTime now) const {
+  return imu_arrived_ && now - *imu_arrived_ < kImuSilent;
+}
+
+std::optional<SensorFrame> FrameAssembler::TakeReady(ArrivalTime now) {
+  if (pairs_.empty()) return std::nullopt;
+  const WaitingPair& first = pairs_.front();
+  if (!ImuHasPassed(first.pair.t_capture) && ImuIsAlive(now)) {
+    const bool in_time = now - first.arrived < imu_wait_ && pairs_.size() <= kMaxWaitingPairs;
+    if (in_time) return std::nullopt;
+    ++num_imu_gaps_;
+  }
+  return TakeAny();
+}
+
+std::optional<SensorFrame> FrameAssembler::TakeAny() {
+  if (pairs_.empty()) return std::nullopt;
+  SensorFrame frame;
+  frame.pair = std::move(pairs_.front().pair);
+  pairs_.pop_front();
+  last_frame_ = frame.pair.t_capture;
+  frame.samples.imu = TakeUpTo(*last_frame_, &imu_);
+  frame.samples.priors = TakeUpTo(*last_frame_, &priors_);
+  return frame;
+}
+
+}  // namespace terrace

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <lcm/lcm-cpp.hpp>
+#include <terrace/command_v1_t.hpp>
+
+#include "core/camera.h"
+#include "core/sensor_frame.h"
+#include "daemon/frame_assembler.h"
+#include "daemon/live_config.h"
+#include "lcmtypes/channels.h"
+
+namespace terrace {
+
+/// Listens to images, calibration, IMU, priors and commands on LCM and makes sensor frames of them. Works
+/// inside lcm.handle(): its handlers check, decode, queue and return, and nothing throws out of them. `lcm`
+/// must outlive it.
+class LiveInput {
+ public:
+  using OnCommand = std::function<void(const command_v1_t&)>;
+
+  /// @param calibration  known beforehand; none: it comes as a message
+  LiveInput(lcm::LCM* lcm, const ChannelConfig& channels, const LiveConfig& config,
+            std::optional<StereoCalibration> calibration, OnCommand on_command);
+  ~LiveInput();
+  LiveInput(const LiveInput&) = delete;
+  LiveInput& operator=(const LiveInput&) = delete;
+
+  /// Of the rig; the first one that makes sense stays.
+  const std::optional<StereoCalibration>& calibration() const { return calibration_; }
+  /// What was wrong with calibrations that came, for the status; empty: nothing.
+  const std::string& calibration_problem() const { return calibration_problem_; }
+
+  /// The next frame that is complete. Frames are thrown away as long as there is no calibration.
+  std::optional<SensorFrame> NextReady();
+  /// The next frame whether complete or not: for the end.
+  std::optional<SensorFrame> NextAny();
+
+  /// Since the last pair arrived, or since the start.
+  std::chrono::nanoseconds silence() const { return std::chrono::steady_clock::now() - pair_arrived_; }
+
+  std::int64_t num_pairs() const { return num_pairs_; }
+  std::int64_t num_bad_frames() const { return num_bad_frames_; }
+  std::int64_t num_decode_errors() const { return num_decode_errors_; }
+  std::int64_t num_time_jumps() const { return assembler_.num_time_jumps(); }
+  std::int64_t num_imu_gaps() const { return assembler_.num_imu_gaps(); }
+
+ private:
+  using Buffer = const lcm::ReceiveBuffer;
+
+  void OnImages(Buffer* buffer, const std::string& channel);
+  void OnCalibration(Buffer* buffer, const std::string& channel);
+  void OnImu(Buffer* buffer, const std::string& channel);
+  void OnBodyPrior(Buffer* buffer, const std::string& channel);
+  void OnBodyPose(Buffer* buffer, const std::string& channel);
+  void OnCommandMessage(Buffer* buffer, const std::string& channel);
+  template <typename Message, typename Use>
+  void Decode(Buffer* buffer, Use use);
+  void Subscribe(const std::string& channel, void (LiveInput::*handler)(Buffer*, const std::string&),
+                 int capacity);
+  void CheckSize(SensorFrame* frame);
+
+  lcm::LCM* const lcm_;
+  const PriorKind body_pose_kind_;
+  const OnCommand on_command_;
+  std::optional<StereoCalibration> calibration_;
+  std::string content_hash_;  // of the calibration message in use
+  std::string calibration_problem_;
+  bool change_said_ = false;
+  FrameAssembler assembler_;
+  std::vector<lcm::Subscription*> subscriptions_;
+  std::chrono::steady_clock::time_point pair_arrived_ = std::chrono::steady_clock::now();
+  std::int64_t num_pairs_ = 0;
+  std::int64_t num_bad_frames_ = 0;
+  std::int64_t num_decode_errors_ = 0;
+};
+
+}  // namespace terrace

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/status_reporter.h"
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include <opencv2/core.hpp>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "daemon/version.h"
+
+namespace terrace {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double CpuSeconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+std::int64_t ResidentBytes() {
+  std::ifstream statm("/proc/self/statm");
+  std::int64_t size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
+}
+
+/// Share of pixels with a disparity.
+double DenseRatio(const DisparityImage& disparity) {
+  const cv::Mat1f& d = disparity.disparity_px;
+  // NaN is the one value that differs from itself.
+  return d.empty() ? 0.0 : static_cast<double>(cv::countNonZero(d == d)) / static_cast<double>(d.total());
+}
+
+}  // namespace
+
+StatusReporter::StatusReporter(InputSource source, std::string config_hash, double deadline_ms)
+    : config_hash_(std::move(config_hash)),
+      source_(source),
+      deadline_ms_(deadline_ms),
+      start_(Clock::now()),
+      window_start_(start_),
+      cpu_s_(CpuSeconds()) {}
+
+void StatusReporter::AddFrameIn() {
+  const std::lock_guard lock(mutex_);
+  ++num_in_;
+}
+
+void StatusReporter::AddResult(const FrameResult& result, double age_ms) {
+  const std::lock_guard lock(mutex_);
+  ++num_out_;
+  ages_ms_.push_back(age_ms);
+  if (age_ms > deadline_ms_) ++num_deadline_missed_;
+  if (result.pose.status == TrackingStatus::kLost) ++num_lost_;
+  last_ = result;
+}
+
+Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
+  const std::lock_guard lock(mutex_);
+  const auto now = Clock::now();
+  const double window_s = std::max(1e-3, std::chrono::duration<double>(now - window_start_).count());
+  const double cpu_s = CpuSeconds();
+  Status status;
+  status.t.ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                    std::chrono::system_clock::now().time_since_epoch())
+                    .count();
+  status.seq = seq_++;
+  status.version = kVersion;
+  status.config_hash = config_hash_;
+  status.uptime_ms = std::chrono::duration_cast<std::chrono::milliseconds>(now - start_).count();
+  status.state = state;
+  status.source = source_;
+  status.window_s = window_s;
+  status.fps_in = static_cast<double>(num_in_) / window_s;
+  status.fps_out = static_cast<double>(num_out_) / window_s;
+  status.age_p50_ms = Quantile(ages_ms_, 0.5);
+  status.age_p99_ms = Quantile(ages_ms_, 0.99);
+  status.age_max_ms = Quantile(ages_ms_, 1.0);
+  status.num_deadline_missed = num_deadline_missed_;
+  status.num_lost = num_lost_;
+  status.tracking = last_.pose.status;
+  status.reason = last_.pose.reason;
+  status.num_matches = last_.pose.num_matches;
+  status.num_inliers = last_.pose.num_inliers;
+  status.rms_px = last_.pose.rms_px;
+  status.vertical_disparity_px = last_.pose.vertical_disparity_px;
+  if (last_.disparity) status.dense_ratio = DenseRatio(*last_.disparity);
+  if (last_.map) {
+    status.gravity_source = last_.map->gravity.source;
+    status.num_regions = static_cast<int>(last_.map->regions.size());
+    if (state == DaemonState::kRunning && last_.pose.status != TrackingStatus::kTracking) {
+      status.state = DaemonState::kDegraded;
+    }
+  }
+  status.num_octree_nodes = last_.map_cells;
+  status.map_bytes = last_.map_bytes;
+  status.rss_bytes = ResidentBytes();
+  status.cpu = (cpu_s - cpu_s_) / window_s;
+  if (meters != nullptr) status.stages = meters->TakeWindows();
+
+  window_start_ = now;
+  cpu_s_ = cpu_s;
+  num_in_ = num_out_ = 0;
+  ages_ms_.clear();
+  return status;
+}
+
+}  // namespace terrace

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "daemon/pipeline.h"
+
+namespace terrace {
+
+/// Sums up what the daemon says about itself, window by window. Every function may be called from any thread.
+class StatusReporter {
+ public:
+  StatusReporter(InputSource source, std::string config_hash, double deadline_ms);
+
+  void AddFrameIn();
+  /// @param age_ms  from the images to their map being out
+  void AddResult(const FrameResult& result, double age_ms);
+
+  /// The status over the window since the last call, but for what only the input knows. Tracking trouble,
+  /// when there is any, makes a running daemon a degraded one.
+  Status Take(DaemonState state, StageMeters* meters);
+
+ private:
+  const std::string config_hash_;
+  const InputSource source_;
+  const double deadline_ms_;
+  const std::chrono::steady_clock::time_point start_;
+  std::mutex mutex_;
+  std::chrono::steady_clock::time_point window_start_;
+  double cpu_s_ = 0.0;
+  std::int64_t seq_ = 0;
+  std::int64_t num_in_ = 0;
+  std::int64_t num_out_ = 0;
+  std::vector<double> ages_ms_;
+  std::int64_t num_deadline_missed_ = 0;
+  std::int64_t num_lost_ = 0;
+  FrameResult last_;
+};
+
+}  // namespace terrace

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/terrain_publisher.h"
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/terrain_client.h"
+#include "lcmtypes/codec.h"
+#include "lcmtypes/safe_decode.h"
+#include "test/lcmtypes/example_maps.h"
+
+namespace terrace {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr int kSnapshot = terrain_v1_t::SNAPSHOT;
+constexpr int kDelta = terrain_v1_t::DELTA;
+
+/// What a subscriber hears.
+class Ear {
+ public:
+  explicit Ear(lcm::LCM* lcm) : lcm_(lcm) {
+    const ChannelConfig channels;
+    lcm_->subscribe(channels.terrain, &Ear::OnTerrain, this);
+    lcm_->subscribe(channels.pose, &Ear::OnPose, this);
+    lcm_->subscribe(channels.odometry, &Ear::OnUpdate, this);
+  }
+
+  void HandleAll() {
+    while (lcm_->handleTimeout(0) > 0) {
+    }
+  }
+  std::vector<int> TakeKinds() { return std::exchange(kinds, {}); }
+
+  std::vector<int> kinds;
+  std::vector<pose_t> poses;
+  std::vector<update_t> updates;
+
+ private:
+  void OnTerrain(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    const auto message = SafeDecode<terrain_v1_t>(buffer->data, buffer->data_size);
+    ASSERT_TRUE(message);
+    EXPECT_LE(buffer->data_size, kMaxTerrainMessageBytes);
+    if (message->part == 0) kinds.push_back(message->kind);
+  }
+  void OnPose(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    poses.push_back(*SafeDecode<pose_t>(buffer->data, buffer->data_size));
+  }
+  void OnUpdate(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    updates.push_back(*SafeDecode<update_t>(buffer->data, buffer->data_size));
+  }
+
+  lcm::LCM* lcm_;
+};
+
+class TerrainPublisherTest : public testing::Test {
+ protected:
+  /// As if this map came out of the frame it was made from.
+  void Publish(const TerrainMap& map, TrackingStatus status = TrackingStatus::kTracking) {
+    PoseEstimate pose;
+    pose.t_capture = map.t_capture;
+    pose.status = status;
+    pose.T_world_left = map.T_world_left;
+    publisher_.Publish(pose, std::make_shared<const TerrainMap>(map));
+    ear_.HandleAll();
+  }
+
+  lcm::LCM lcm_{"memq://"};
+  Ear ear_{&lcm_};
+  TerrainPublisher publisher_{&lcm_, {}, std::nullopt, 1.0};
+  ExampleMaps maps_{1};
+};
+
+TEST_F(TerrainPublisherTest, SendsASnapshotFirstThenDeltasAndASnapshotNowAndThen) {
+  TerrainClient client(&lcm_);
+  TerrainMap map = maps_.First(200);
+  Publish(map);
+  EXPECT_THAT(ear_.TakeKinds(), ElementsAre(kSnapshot));
+  for (int frame = 1; frame <= 15; ++frame) {
+    map = maps_.Next(map);
+    Publish(map);
+    // 15 frames are a second.
+    EXPECT_EQ(ear_.TakeKinds(),
+              frame < 15 ? std::vector<int>{kDelta} : (std::vector<int>{kDelta, kSnapshot}));
+    ASSERT_NE(client.map(), nullptr);
+    EXPECT_EQ(client.map()->seq, map.seq);
+    EXPECT_EQ(client.map()->regions.size(), map.regions.size());
+  }
+}
+
+TEST_F(TerrainPublisherTest, SendsNoTerrainWhenNothingHasChangedButAlwaysTheMotion) {
+  const TerrainMap map = maps_.First(3);
+  for (int i = 0; i < 3; ++i) Publish(map);
+  EXPECT_THAT(ear_.kinds, ElementsAre(kSnapshot));
+  EXPECT_EQ(ear_.updates.size(), 3u);
+  EXPECT_EQ(ear_.poses.size(), 3u);
+}
+
+TEST_F(TerrainPublisherTest, SendsNoPoseWhileLostAndSaysSoInTheMotion) {
+  const TerrainMap map = maps_.First(3);
+  Publish(map);
+  Publish(map, TrackingStatus::kLost);
+  EXPECT_EQ(ear_.poses.size(), 1u);
+  ASSERT_EQ(ear_.updates.size(), 2u);
+  EXPECT_EQ(ear_.updates[1].estimate_status, update_t::NO_DATA);
+}
+
+TEST_F(TerrainPublisherTest, SendsTheMapWholeWhenAskedAndWhenANewOneBegins) {
+  EXPECT_FALSE(publisher_.SendSnapshot()) << "there is none yet";
+  TerrainMap map = maps_.First(3);
+  Publish(map);
+  EXPECT_TRUE(publisher_.SendSnapshot());
+  map = maps_.Next(map);
+  ++map.map_id;
+  Publish(map);
+  EXPECT_THAT(ear_.kinds, ElementsAre(kSnapshot, kSnapshot, kSnapshot));
+}
+
+TEST_F(TerrainPublisherTest, GivesTheBodyXForwardAndZUpWhenNoMountingIsKnown) {
+  TerrainMap map = maps_.First(1);
+  map.T_world_left.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;  // looks along the world's x
+  Publish(map);
+  ASSERT_EQ(ear_.poses.size(), 1u);
+  EXPECT_NEAR(ear_.poses[0].orientation[0], 1.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace terrace
