@@ -172,8 +172,12 @@ TEST(RectifierFoldTest, ShowsNoGhostsWhereTheLensPolynomialTurnsBack) {
           rectifier.R_rect_raw().transpose() *
           Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);
       const double tangent = ray_raw.head<2>().norm() / ray_raw.z();
-      if (tangent > 0.92) EXPECT_EQ(frame.left(v, u), 0) << u << " " << v;
-      if (tangent < 0.89) EXPECT_EQ(frame.left(v, u), 255) << u << " " << v;
+      if (tangent > 0.92) {
+        EXPECT_EQ(frame.left(v, u), 0) << u << " " << v;
+      }
+      if (tangent < 0.89) {
+        EXPECT_EQ(frame.left(v, u), 255) << u << " " << v;
+      }
     }
   }
 }
