@@ -24,6 +24,18 @@ bool BeginsLikeAnLcmLog(const fs::path& path) {
                             [](unsigned char a, char b) { return a == static_cast<unsigned char>(b); });
 }
 
+std::unique_ptr<Sequence> OpenAs(SequenceKind kind, const fs::path& path) {
+  switch (kind) {
+    case SequenceKind::kEuroc:
+      return OpenEurocSequence(path);
+    case SequenceKind::kKitti:
+      return OpenKittiSequence(path);
+    case SequenceKind::kLcmLog:
+      return OpenLcmLogSequence(path);
+  }
+  TERRACE_CHECK(false, static_cast<int>(kind));
+}
+
 }  // namespace
 
 const char* Name(SequenceKind kind) {
@@ -58,15 +70,11 @@ std::unique_ptr<Sequence> OpenSequence(const fs::path& path) {
         ": not a sequence; must be an EuRoC ASL folder (holds mav0/), a KITTI odometry folder (holds "
         "image_0/ and image_1/, or image_2/ and image_3/) or an LCM log");
   }
-  switch (*kind) {
-    case SequenceKind::kEuroc:
-      return OpenEurocSequence(path);
-    case SequenceKind::kKitti:
-      return OpenKittiSequence(path);
-    case SequenceKind::kLcmLog:
-      return OpenLcmLogSequence(path);
+  try {
+    return OpenAs(*kind, path);
+  } catch (const fs::filesystem_error& problem) {  // no permission, a loop of links
+    throw SequenceError(problem.path1().string() + ": " + problem.code().message());
   }
-  TERRACE_CHECK(false, static_cast<int>(*kind));
 }
 
 }  // namespace terrace

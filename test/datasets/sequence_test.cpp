@@ -48,6 +48,14 @@ TEST(SequenceTest, SaysInOneSentenceWhatASequenceIs) {
   EXPECT_THAT(Problem(""), HasSubstr("no such file or folder"));
 }
 
+TEST(SequenceTest, NamesAFolderThatCannotBeLookedInto) {
+  const TemporaryFolder folder;
+  WriteSmallEuroc(folder.path());
+  fs::remove_all(folder.path() / "mav0" / "imu0");
+  fs::create_symlink("imu0", folder.path() / "mav0" / "imu0");
+  EXPECT_THAT(Problem(folder.path()), HasSubstr("mav0/imu0: Too many levels of symbolic links"));
+}
+
 /// What is known of a recording without reading it.
 struct Recording {
   const char* name;
