@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/check.h"
+#include "stereo/depth_edges.h"
 #include "stereo/disparity_filters.h"
 #include "stereo/half_resolution.h"
 #include "stereo/refinement.h"
@@ -23,7 +24,9 @@ std::vector<CensusPair> CensusByName(const std::string& name) {
 
 SemiGlobalSettings MatchingSettings(const DisparityConfig& config) {
   SemiGlobalSettings settings;
-  settings.census = CensusByName(config.census);
+  settings.census = CensusByName(config.census != "auto" ? config.census
+                                 : config.tier == "fast" ? "mixed"
+                                                         : "9x7");
   settings.penalties = {config.small_step_penalty, config.large_step_penalty, config.edge_step_penalty};
   settings.winner.uniqueness_percent = config.uniqueness_percent;
   settings.winner.max_left_right_error = static_cast<int>(std::lround(config.max_left_right_error_px));
@@ -41,8 +44,8 @@ std::vector<std::string> DisparityConfig::Problems() const {
        "max_disparity_px is " + std::to_string(max_disparity_px) +
            ", must be a multiple of 16 from 16 to 256");
   need(tier == "fast" || tier == "quality", "tier is \"" + tier + "\", must be \"fast\" or \"quality\"");
-  need(census == "mixed" || census == "5x5" || census == "9x7",
-       "census is \"" + census + "\", must be \"mixed\", \"5x5\" or \"9x7\"");
+  need(census == "auto" || census == "mixed" || census == "5x5" || census == "9x7",
+       "census is \"" + census + "\", must be \"auto\", \"mixed\", \"5x5\" or \"9x7\"");
   need(0 <= small_step_penalty && small_step_penalty <= edge_step_penalty &&
            edge_step_penalty <= large_step_penalty && large_step_penalty <= 50,
        "the penalties must hold 0 <= small_step_penalty <= edge_step_penalty <= large_step_penalty <= 50");
@@ -54,7 +57,8 @@ std::vector<std::string> DisparityConfig::Problems() const {
 
 class DisparityMatcher::Impl {
  public:
-  explicit Impl(const DisparityConfig& config) : config_(config), matcher_(MatchingSettings(config)) {}
+  explicit Impl(const DisparityConfig& config)
+      : config_(config), matcher_(MatchingSettings(config)), refiner_(RefinementSettings{}) {}
 
   DisparityImage Match(const StereoFrame& frame) {
     DisparityImage result{frame.frame_id, frame.t_capture, {}, {}};
@@ -62,7 +66,8 @@ class DisparityMatcher::Impl {
       MatchHalved(frame, result.disparity_px);
     else
       MatchFull(frame, result.disparity_px);
-    RefineDisparity(frame.left, frame.right, refinement_, result.disparity_px, result.sigma_px);
+    SharpenDepthEdges(frame.left, frame.right, edges_, result.disparity_px);
+    refiner_.Refine(frame.left, frame.right, result.disparity_px, result.sigma_px);
     return result;
   }
 
@@ -86,7 +91,8 @@ class DisparityMatcher::Impl {
 
   DisparityConfig config_;
   SemiGlobalMatcher matcher_;
-  RefinementSettings refinement_;
+  Refiner refiner_;
+  DepthEdgeSettings edges_;
   cv::Mat1b half_left_, half_right_;
   cv::Mat1f half_disparity_;
 };

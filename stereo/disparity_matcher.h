@@ -17,9 +17,9 @@ struct DisparityConfig {
   /// "fast": matched at half resolution, refined at full. "quality": matched at full resolution, three times
   /// the work, for thin things.
   std::string tier = "fast";
-  /// What is compared: "mixed" (edges of objects kept best), "5x5" (finest detail) or "9x7" (most robust in
-  /// darkness and noise).
-  std::string census = "mixed";
+  /// What is compared: "mixed" (keeps the edges of objects best), "5x5" (finest detail), "9x7" (steadiest in
+  /// noise and darkness) or "auto" (mixed in the fast tier, 9x7 in the other).
+  std::string census = "auto";
   /// Penalty for a change of disparity by one between neighbours, in census bits (of 32).
   int small_step_penalty = 8;
   /// Penalty for a greater change where the image is flat; at most 50.

@@ -28,9 +28,9 @@ void DoubleDisparity(const cv::Mat1f& half, cv::Mat1f& full) {
     for (int u = 0; u < full.cols; ++u) {
       const int i = u / 2, j = std::clamp(u % 2 == 0 ? i - 1 : i + 1, 0, half.cols - 1);
       const float a = n[i], b = n[j], c = f[i], d = f[j];
-      const float low = std::min(std::min(a, b), std::min(c, d)),
-                  high = std::max(std::max(a, b), std::max(c, d));
-      const bool smooth = !std::isnan(a + b + c + d) && high - low <= kMaxSlope;
+      // Comparisons with NaN are false: an unknown neighbour is not smooth.
+      const bool smooth =
+          std::abs(b - a) <= kMaxSlope && std::abs(c - a) <= kMaxSlope && std::abs(d - a) <= kMaxSlope;
       full(v, u) = 2.0f * (smooth ? 0.5625f * a + 0.1875f * (b + c) + 0.0625f * d : a);
     }
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+
 #include <opencv2/core/mat.hpp>
 
 namespace terrace {
@@ -8,19 +10,29 @@ namespace terrace {
 /// Settings of the intensity-based sub-pixel step.
 struct RefinementSettings {
   int iterations = 2;
-  float max_step_px = 1.0f;  ///< a pixel that wants to go further in one iteration stays where it was
-  float max_jump_px = 1.0f;  ///< neighbours whose disparity differs more belong to another surface
-  float min_gradient =
-      1.0f;  ///< root mean square over the window, grey levels per pixel, that lets a pixel move
+  float max_step_px = 1.0f;      ///< a pixel that wants to go further in one iteration stays where it was
+  float max_jump_px = 1.0f;      ///< neighbours whose disparity differs more belong to another surface
+  float given_sigma_px = 0.15f;  ///< how far the disparity given is trusted where there is no texture
 };
 
 /// Moves each disparity to where the 5x5 windows of the two images agree best: a Lucas-Kanade step (1981)
 /// along the row. Brightness differences cancel out: the gain of the whole pair is measured, the offset of
 /// each window removed. The window follows the surface, since each of its pixels is taken at its own
 /// disparity, and stops at depth edges.
-/// @param disparity  in: right to about a pixel, NaN where unknown; out: refined.
-/// @param sigma      out: standard deviation [px] from texture and residual, NaN where unknown.
-void RefineDisparity(const cv::Mat1b& left, const cv::Mat1b& right, const RefinementSettings& settings,
-                     cv::Mat1f& disparity, cv::Mat1f& sigma);
+class Refiner {
+ public:
+  explicit Refiner(const RefinementSettings& settings);
+  ~Refiner();
+
+  /// @param disparity  in: right to about a pixel, NaN where unknown; out: refined.
+  /// @param sigma      out: standard deviation [px] from texture and residual, NaN where unknown.
+  void Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f& sigma);
+
+ private:
+  class StripRows;
+  class Scratch;
+  RefinementSettings settings_;
+  std::unique_ptr<Scratch> scratch_;
+};
 
 }  // namespace terrace

@@ -178,6 +178,34 @@ void Dump(const std::string& path, const cv::Mat1f& disparity) {
   WritePng(path, image);
 }
 
+/// 68 % quantile of error / sigma, for each quarter of the pixels by texture (weakest first): what sigma
+/// promises is 1.
+void PrintSigma(const std::vector<TruthPair>& pairs, const Method& method) {
+  std::vector<std::pair<float, float>> texture_and_ratio;
+  for (const TruthPair& pair : pairs) {
+    const DisparityImage result = method.match(pair.frame, pair.max_disparity_px);
+    cv::Mat1f gradient, energy;
+    cv::Sobel(pair.frame.left, gradient, CV_32F, 1, 0, 3, 0.125);
+    cv::boxFilter(gradient.mul(gradient), energy, CV_32F, {5, 5});
+    for (int i = 0; i < static_cast<int>(energy.total()); ++i)
+      if (pair.visibility(i) == kVisible && !std::isnan(result.disparity_px(i)))
+        texture_and_ratio.emplace_back(
+            energy(i), std::abs(result.disparity_px(i) - pair.disparity_px(i)) / result.sigma_px(i));
+  }
+  std::sort(texture_and_ratio.begin(), texture_and_ratio.end());
+  std::printf("  %s, error / sigma, 68 %% quantile by texture:", method.name.c_str());
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const std::size_t n = texture_and_ratio.size() / 4;
+    std::vector<double> ratios;
+    for (std::size_t i = quarter * n; i < (quarter + 1) * n; ++i)
+      ratios.push_back(texture_and_ratio[i].second);
+    const auto at = ratios.begin() + static_cast<std::ptrdiff_t>(0.68 * static_cast<double>(n));
+    std::nth_element(ratios.begin(), at, ratios.end());
+    std::printf(" %.2f", *at);
+  }
+  std::printf("\n");
+}
+
 void Run(const std::string& title, const std::vector<TruthPair>& pairs, const std::vector<Method>& methods,
          const std::string& dump, bool each) {
   std::vector<Marks> sums(methods.size());
@@ -215,6 +243,8 @@ void Run(const std::string& title, const std::vector<TruthPair>& pairs, const st
                   Median(planes[m].offset_px), Median(planes[m].offset_mm), Median(planes[m].angle_deg));
     std::printf("\n");
   }
+  for (const Method& method : methods)
+    if (method.name.rfind("sgbm", 0) != 0) PrintSigma(pairs, method);
 }
 
 void Speed(const TruthPair& pair, const std::vector<Method>& methods) {

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/depth_edges.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "test/stereo/textured_pair.h"
+
+namespace terrace {
+namespace {
+
+constexpr int kWidth = 120, kHeight = 30, kEdge = 60;
+constexpr float kFar = 5.0f, kNear = 12.0f;
+constexpr int kHidden = 7;  // columns left of the edge that the right camera does not see
+
+/// A near surface from column kEdge on, before a far one.
+StereoFrame TwoSurfaces() {
+  StereoFrame frame = RenderPlane(kWidth, kHeight, {kFar, 0, 0}, {}, 1);
+  const StereoFrame near_frame = RenderPlane(kWidth, kHeight, {kNear, 0, 0}, {}, 2);
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = kEdge; u < kWidth; ++u) {
+      frame.left(v, u) = near_frame.left(v, u);
+      frame.right(v, u - 12) = near_frame.right(v, u - 12);
+    }
+  return frame;
+}
+
+TEST(DepthEdgesTest, MovesAnEdgeThatIsThreePixelsOffToItsPlace) {
+  const StereoFrame frame = TwoSurfaces();
+  cv::Mat1f disparity(kHeight, kWidth);
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u) disparity(v, u) = u >= kEdge + 3 ? kNear : kFar;
+  SharpenDepthEdges(frame.left, frame.right, {}, disparity);
+  int right_near = 0, invented = 0;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = kEdge; u < kEdge + 3; ++u) right_near += disparity(v, u) == kNear;
+    for (int u = kEdge - kHidden; u < kEdge; ++u) invented += !std::isnan(disparity(v, u));
+  }
+  EXPECT_GT(right_near, 0.9 * 3 * kHeight);
+  EXPECT_LT(invented, 0.2 * kHidden * kHeight);
+}
+
+TEST(DepthEdgesTest, GivesAnUnknownPixelItsNeighboursDisparityOnlyWhereTheImagesAgree) {
+  const float unknown = std::numeric_limits<float>::quiet_NaN();
+  StereoFrame frame = RenderPlane(kWidth, kHeight, {kFar, 0, 0});
+  for (int v = 10; v < 20; ++v)
+    for (int u = 70; u < 80; ++u) frame.right(v, u - 5) = 255 - frame.right(v, u - 5);  // a reflection
+  cv::Mat1f disparity(kHeight, kWidth, kFar);
+  disparity(5, 50) = unknown, disparity(15, 75) = unknown;
+  SharpenDepthEdges(frame.left, frame.right, {}, disparity);
+  EXPECT_EQ(disparity(5, 50), kFar);
+  EXPECT_TRUE(std::isnan(disparity(15, 75)));
+}
+
+TEST(DepthEdgesTest, LeavesASlantedSurfaceAlone) {
+  const SlantedPlane plane{8.0, 0.02, 0.3};
+  const StereoFrame frame = RenderPlane(kWidth, kHeight, plane);
+  cv::Mat1f disparity(kHeight, kWidth), expected;
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u) disparity(v, u) = static_cast<float>(plane.At(u, v));
+  expected = disparity.clone();
+  SharpenDepthEdges(frame.left, frame.right, {}, disparity);
+  EXPECT_TRUE(std::equal(disparity.begin(), disparity.end(), expected.begin()));
+}
+
+}  // namespace
+}  // namespace terrace
