@@ -109,7 +109,7 @@ struct MotionPlan {
   double turn_radps = 0.5;
   double hold_start_s = 0.6;
   double hold_end_s = 1.0;
-  double gaze_rad = 0.07;   ///< how far the body turns left and right of its way
+  double gaze_rad = 0.12;   ///< how far the body turns left and right of its way
   double bounce = 1.0;      ///< times the ordinary bounce, roll, pitch and jolts
   double duration_s = 0.0;  ///< 0: until the path is done; stand 60 s, creep 20 s, one turn
 };
