@@ -712,7 +712,7 @@ std::vector<std::string> StaircaseConfig::Problems() const {
 }
 
 std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<SurfacePtr>& surfaces,
-                                                  const std::vector<FlightModel>& known) const {
+                                                  const std::vector<FlightModel>& known, bool compete) const {
   const FlightSearch search(config_, surfaces);
   std::vector<Candidate> candidates = search.Candidates();
   std::vector<FoundStaircase> found;
@@ -724,7 +724,14 @@ std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<SurfacePtr>&
   };
 
   constexpr int kMaxFlights = 16;
-  std::vector<FlightModel> hints = known;
+  if (!compete) {
+    for (const FlightModel& model : known) {
+      std::optional<Flight> flight = search.Follow(model, candidates);
+      std::optional<FoundStaircase> staircase =
+          flight ? search.Complete(std::move(*flight), true) : std::nullopt;
+      if (staircase) take(std::move(*staircase));
+    }
+  }
   while (candidates.size() >= 2 && found.size() < kMaxFlights) {
     std::optional<FoundStaircase> best;
     double best_score = 0.0;
@@ -738,7 +745,7 @@ std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<SurfacePtr>&
       best = std::move(staircase);
       best_score = score;
     };
-    for (const FlightModel& model : hints) consider(search.Follow(model, candidates), true);
+    for (const FlightModel& model : known) consider(search.Follow(model, candidates), true);
     for (const FlightModel& frame : search.StraightFrames(candidates))
       consider(search.BestStride(frame, search.Measure(candidates, frame)), false);
     for (const FlightModel& frame : search.SpiralFrames(candidates))

@@ -85,8 +85,11 @@ class StaircaseFinder {
   explicit StaircaseFinder(const StaircaseConfig& config) : config_(config) {}
 
   /// @param known  flights found before: they are looked for first, and need less support to stay
+  /// @param compete  known flights must stand against new ones; else only what they leave is searched, which
+  /// is
+  ///                 much quicker
   std::vector<FoundStaircase> Find(const std::vector<SurfacePtr>& surfaces,
-                                   const std::vector<FlightModel>& known) const;
+                                   const std::vector<FlightModel>& known, bool compete) const;
 
  private:
   StaircaseConfig config_;

@@ -69,7 +69,9 @@ class TerrainLabeler::Impl {
     UpdateSurfaces(update);
     const Eigen::Isometry3d T_level_left = Eigen::Isometry3d(R_level_world_) * pose.T_world_left;
     views_.Look(surfaces_, T_level_left, update.t_capture);
-    tracker_.Update(finder_.Find(surfaces_, tracker_.models()), surfaces_, R_level_world_);
+    constexpr std::int64_t kCompetePeriod = 5;  // frames
+    const bool compete = num_frames_ % kCompetePeriod == 0;
+    tracker_.Update(finder_.Find(surfaces_, tracker_.models(), compete), surfaces_, R_level_world_);
     graph_.Update(surfaces_);
     stances_.Stand((pose.T_world_left * T_left_body_).translation(), R_level_world_);
     const std::vector<bool> reachable = Reachable();
