@@ -24,6 +24,27 @@ double Seasoned(double confidence, const Surface& surface) {
 
 }  // namespace
 
+bool GroundGoesOn(const Surface& a, const Surface& b, const std::vector<SurfacePtr>& surfaces,
+                  const LabelingConfig& config) {
+  const Eigen::Vector3d reach(config.max_unseen_gap_m, config.max_unseen_gap_m, config.max_joint_height_m);
+  if (!Eigen::AlignedBox3d(a.bounds.min() - reach, a.bounds.max() + reach).intersects(b.bounds)) return false;
+  for (const Eigen::Vector2d& p : a.plan.front()) {
+    const double z = a.HeightAt(p);
+    if (std::abs(z - b.HeightAt(p)) > 4.0 * config.max_joint_height_m) continue;  // quicker than the outline
+    Eigen::Vector2d q;
+    if (b.PlanDistance(p, &q) > config.max_unseen_gap_m) continue;
+    if (std::abs(z - b.HeightAt(q)) > 2.0 * config.max_joint_height_m) continue;
+    const Eigen::Vector2d middle = 0.5 * (p + q);
+    const bool lower_between = std::any_of(surfaces.begin(), surfaces.end(), [&](const SurfacePtr& s) {
+      if (s.get() == &a || s.get() == &b || s->lean != Lean::kSupport) return false;
+      return s->HeightAt(middle) < z - config.max_joint_height_m &&
+             s->PlanDistance(middle) < config.max_joint_gap_m;
+    });
+    if (!lower_between) return true;
+  }
+  return false;
+}
+
 LabelRules::LabelRules(const LabelingConfig& config, const RobotConfig& robot, const Scene& scene)
     : config_(config), robot_(robot), scene_(scene), index_(scene.surfaces, config.ground_search_m) {}
 
@@ -146,7 +167,7 @@ Verdict LabelRules::DecideFace(int i) const {
   const double doubt = measured.ground_known ? 1.0 : 0.8;
   if (measured.height_m >= config_.min_wall_height_m)
     return {TerrainLabel::kWall, Seasoned(0.95 * upright * doubt, face)};
-  if (measured.has_top) return {TerrainLabel::kObstacle, Seasoned(0.9 * upright * doubt, face)};
+  if (measured.has_top) return {TerrainLabel::kObstacle, Seasoned(0.9 * upright * doubt, face), true};
   switch (scene_.tops[i]) {
     case TopView::kOutOfView:
       return {TerrainLabel::kWall, Seasoned(0.75 * upright * doubt, face)};
@@ -163,7 +184,7 @@ bool LabelRules::ContinuesAWall(int i, const std::vector<Verdict>& verdicts) con
   // something lies on top.
   const Surface& face = *scene_.surfaces[i];
   constexpr double kSameNormal = 0.985;  // 10 deg
-  constexpr double kSamePlane = 0.06;
+  constexpr double kSamePlane = 0.10;    // far walls come in several layers
   const double max_gap = config_.ground_search_m;
   const Interval width = Extent(face.plan.front(), face.face_axis);
   for (int j = 0; j < static_cast<int>(scene_.surfaces.size()); ++j) {
@@ -202,15 +223,21 @@ std::optional<double> LabelRules::HeightOverSurroundings(int i) const {
   return height;
 }
 
-Verdict LabelRules::DecideLevel(int i, bool large) const {
+Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
   const Surface& s = *scene_.surfaces[i];
   const double level = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
-  if (large && scene_.reachable[i]) return {TerrainLabel::kWalkway, Seasoned(0.97 * level, s)};
+  if (large[i] && scene_.reachable[i]) return {TerrainLabel::kWalkway, Seasoned(0.97 * level, s)};
   if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3};
   const std::optional<double> height = HeightOverSurroundings(i);
   // The top of something that stands on the ground; higher up it is a shelf or a ledge.
   if (height && *height < config_.min_wall_height_m) {
     return {TerrainLabel::kObstacle, Seasoned(0.85 * level, s)};
+  }
+  // A scrap of the floor, cut off by something that hides the rest.
+  for (int j = 0; !height && j < static_cast<int>(scene_.surfaces.size()); ++j) {
+    if (!large[j] || !scene_.reachable[j] || !Level(*scene_.surfaces[j])) continue;
+    if (GroundGoesOn(s, *scene_.surfaces[j], scene_.surfaces, config_))
+      return {TerrainLabel::kWalkway, Seasoned(0.7 * level, s)};
   }
   if (!scene_.reachable[i]) return {TerrainLabel::kLevel, Seasoned(0.6 * level, s)};
   return {TerrainLabel::kUnknown, 0.4};
@@ -237,7 +264,7 @@ std::vector<Verdict> LabelRules::Decide() const {
     const Surface& s = *scene_.surfaces[i];
     switch (s.lean) {
       case Lean::kSupport:
-        verdicts[i] = Level(s) ? DecideLevel(i, large[i]) : DecideSlope(i, large[i]);
+        verdicts[i] = Level(s) ? DecideLevel(i, large) : DecideSlope(i, large[i]);
         break;
       case Lean::kSteep:
         verdicts[i] = DecideSteep(i);
@@ -253,6 +280,7 @@ std::vector<Verdict> LabelRules::Decide() const {
   const std::vector<Verdict> first = verdicts;
   for (int i = 0; i < n; ++i) {
     if (scene_.surfaces[i]->lean != Lean::kUpright || first[i].label == TerrainLabel::kWall) continue;
+    if (first[i].topped) continue;
     if (ContinuesAWall(i, first)) verdicts[i] = {TerrainLabel::kWall, Seasoned(0.7, *scene_.surfaces[i])};
   }
   return verdicts;

@@ -31,7 +31,13 @@ struct Scene {
 struct Verdict {
   TerrainLabel label = TerrainLabel::kUnknown;
   double confidence = 0.0;
+  bool topped = false;  ///< of a face: a level piece lies on its upper edge
 };
+
+/// True when two supports are at one height across a gap, and what lies between them was not seen to be
+/// lower.
+bool GroundGoesOn(const Surface& a, const Surface& b, const std::vector<SurfacePtr>& surfaces,
+                  const LabelingConfig& config);
 
 /// The meaning of the labels in DESIGN.md as rules, for everything but staircases.
 class LabelRules {
@@ -54,7 +60,7 @@ class LabelRules {
   bool ContinuesAWall(int i, const std::vector<Verdict>& verdicts) const;
   Verdict DecideFace(int i) const;
   Verdict DecideSteep(int i) const;
-  Verdict DecideLevel(int i, bool large) const;
+  Verdict DecideLevel(int i, const std::vector<bool>& large) const;
   Verdict DecideSlope(int i, bool large) const;
 
   const LabelingConfig& config_;

@@ -170,33 +170,12 @@ class TerrainLabeler::Impl {
         continue;
       for (int j = 0; j < static_cast<int>(surfaces_.size()); ++j) {
         if (!reachable[j] || surfaces_[j]->largest_square_m < 0.5 * config_.min_walkway_edge_m) continue;
-        if (!GoesOn(lost, *surfaces_[j])) continue;
+        if (!GroundGoesOn(lost, *surfaces_[j], surfaces_, config_)) continue;
         links.emplace_back(i, j);
         break;
       }
     }
     return links;
-  }
-
-  /// True when the two are at one height, and what lies between them was not seen to be lower.
-  bool GoesOn(const Surface& a, const Surface& b) const {
-    const Eigen::Vector3d reach(config_.max_unseen_gap_m, config_.max_unseen_gap_m,
-                                config_.max_joint_height_m);
-    if (!Eigen::AlignedBox3d(a.bounds.min() - reach, a.bounds.max() + reach).intersects(b.bounds))
-      return false;
-    for (const Eigen::Vector2d& p : a.plan.front()) {
-      Eigen::Vector2d q;
-      if (b.PlanDistance(p, &q) > config_.max_unseen_gap_m) continue;
-      const double z = a.HeightAt(p);
-      if (std::abs(z - b.HeightAt(q)) > 2.0 * config_.max_joint_height_m) continue;
-      const Eigen::Vector2d middle = 0.5 * (p + q);
-      const bool seen = std::any_of(surfaces_.begin(), surfaces_.end(), [&](const SurfacePtr& s) {
-        if (s.get() == &a || s.get() == &b || s->lean != Lean::kSupport) return false;
-        return s->PlanDistance(middle) < config_.max_joint_gap_m && s->HeightAt(middle) < z - 0.05;
-      });
-      if (!seen) return true;
-    }
-    return false;
   }
 
   bool Touched(const Surface& surface) const {
