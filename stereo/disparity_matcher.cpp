@@ -58,15 +58,18 @@ std::vector<std::string> DisparityConfig::Problems() const {
 class DisparityMatcher::Impl {
  public:
   explicit Impl(const DisparityConfig& config)
-      : config_(config), matcher_(MatchingSettings(config)), refiner_(RefinementSettings{}) {}
+      : config_(config),
+        halved_(config.tier == "fast"),
+        matcher_(MatchingSettings(config)),
+        refiner_({.iterations = halved_ ? 1 : 2}) {}
 
   DisparityImage Match(const StereoFrame& frame) {
     DisparityImage result{frame.frame_id, frame.t_capture, {}, {}};
-    if (config_.tier == "fast")
+    if (halved_)
       MatchHalved(frame, result.disparity_px);
     else
       MatchFull(frame, result.disparity_px);
-    SharpenDepthEdges(frame.left, frame.right, edges_, result.disparity_px);
+    SharpenDepthEdges(frame.left, frame.right, {.rounds = halved_ ? 1 : 2}, result.disparity_px);
     refiner_.Refine(frame.left, frame.right, result.disparity_px, result.sigma_px);
     return result;
   }
@@ -77,12 +80,15 @@ class DisparityMatcher::Impl {
     RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity);
   }
 
+  /// The work of the first rounds costs a quarter at half the size, and sees twice as far.
   void MatchHalved(const StereoFrame& frame, cv::Mat1f& disparity) {
     HalveImage(frame.left, half_left_);
     HalveImage(frame.right, half_right_);
     const int range = (config_.max_disparity_px / 2 + kRangeStep - 1) / kRangeStep * kRangeStep;
     matcher_.Match(half_left_, half_right_, range, half_disparity_);
     RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
+    SharpenDepthEdges(half_left_, half_right_, {.rounds = 1}, half_disparity_);
+    half_refiner_.Refine(half_left_, half_right_, half_disparity_, half_sigma_);
     disparity.create(frame.left.size());
     DoubleDisparity(half_disparity_, disparity);
   }
@@ -90,11 +96,12 @@ class DisparityMatcher::Impl {
   static constexpr float kMaxSlope = 2.0f;  // pixels of disparity between neighbours of one piece
 
   DisparityConfig config_;
+  bool halved_;
   SemiGlobalMatcher matcher_;
   Refiner refiner_;
-  DepthEdgeSettings edges_;
+  Refiner half_refiner_{{.iterations = 2}};
   cv::Mat1b half_left_, half_right_;
-  cv::Mat1f half_disparity_;
+  cv::Mat1f half_disparity_, half_sigma_;
 };
 
 DisparityMatcher::DisparityMatcher(const DisparityConfig& config) {
