@@ -11,13 +11,16 @@ import os
 import pathlib
 import shutil
 import signal
+import socket
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 
 SKIP = 77
-URL = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152"
+GROUP, PORT = "239.255.76.67", 7667
+URL = f"udpm://{GROUP}:{PORT}?ttl=0&recv_buf_size=2097152"
 NUM_FRAMES = 12
 # Files that hold nothing of the time of day or of speed.
 SAME_FILES = ("terrain_map.json", "trajectory.tum", "camera.json", "staircases.jsonl")
@@ -72,6 +75,53 @@ class Daemon:
         assert self.process.wait(60) == 0, self.text()
 
 
+class Bus:
+    """Commands and replies over LCM's own packets: magic, number, channel, zero, message."""
+
+    MAGIC = 0x4C433032
+
+    def __init__(self):
+        from terrace import command_reply_v1_t, command_v1_t
+
+        self.command_type, self.reply_type = command_v1_t, command_reply_v1_t
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+        self.socket.bind((GROUP, PORT))
+        membership = socket.inet_aton(GROUP) + socket.inet_aton("127.0.0.1")
+        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
+        self.socket.settimeout(10)
+        self.number = 1000
+
+    def command(self, name, argument=""):
+        """(result, message) of the daemon's reply."""
+        self.number += 1
+        command = self.command_type()
+        command.request_id, command.argument = self.number, argument
+        command.command = getattr(self.command_type, name)
+        packet = struct.pack(">II", self.MAGIC, self.number) + b"TERRACE_COMMAND\0" + command.encode()
+        self.socket.sendto(packet, (GROUP, PORT))
+        while True:
+            packet = self.socket.recv(65536)
+            channel, _, data = packet[8:].partition(b"\0")
+            if packet[:4] == struct.pack(">I", self.MAGIC) and channel == b"TERRACE_REPLY":
+                reply = self.reply_type.decode(data)
+                if reply.request_id == self.number:
+                    return reply.result, reply.message
+
+
+def check_commands(live):
+    bus = Bus()
+    ok, refused = bus.reply_type.OK, bus.reply_type.REFUSED
+    assert bus.command("SAVE_MAP", "saved.json") == (ok, f"{live}/saved.json")
+    for name in ("../saved.json", "", ".."):
+        assert bus.command("SAVE_MAP", name)[0] == refused, name
+    for name in ("SEND_SNAPSHOT", "PAUSE", "RESUME", "RESET_MAP"):
+        assert bus.command(name)[0] == ok, name
+    result, message = bus.command("RELOAD_CONFIG")
+    assert result == refused and "restart" in message, message
+
+
 def play(log, speed):
     subprocess.run(["lcm-logplayer", f"--speed={speed}", f"--lcm-url={URL}", log], check=True, capture_output=True)
 
@@ -88,7 +138,8 @@ def same_map(replayed, live):
 
 def main():
     enter_namespace()
-    terraced, terrace, tiny_log = sys.argv[1:4]
+    terraced, terrace, tiny_log, python_dir = sys.argv[1:5]
+    sys.path.insert(0, python_dir)
     folder = tempfile.mkdtemp(prefix="terrace_live_log_test.")
     try:
         log = f"{folder}/tiny.lcmlog"
@@ -100,6 +151,7 @@ def main():
         for speed in (1.0, 0.3, 0.1):
             live = f"{folder}/live{speed}"
             daemon = Daemon(terraced, live)
+            daemon.wait_for("no calibration yet")
             listener = subprocess.Popen([terrace, "listen", "--url", URL], stdout=subprocess.PIPE, text=True)
             others = [subprocess.Popen(["lcm-logplayer", "--speed=2", f"--lcm-url={URL}", other],
                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for other in foreign]
@@ -108,12 +160,15 @@ def main():
             for other in others:
                 other.terminate()
                 other.wait()
+            check_commands(live)
             daemon.stop()
+            assert daemon.text().count("no calibration yet") == 1, daemon.text()
             listener.send_signal(signal.SIGINT)
             heard = listener.communicate(timeout=60)[0]
             assert listener.returncode == 0, "terrace listen must end well at Ctrl-C"
             missing = same_map(replayed, live)
             if missing == 0:
+                assert pathlib.Path(live, "saved.json").read_bytes() == pathlib.Path(live, SAME_FILES[0]).read_bytes()
                 for word in ("pose ", "status ", "map "):
                     assert word in heard, f"terrace listen never said '{word}': {heard}"
                 print(f"the same map, played at speed {speed} beside {len(foreign)} logs of other robots")
