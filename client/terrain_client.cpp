@@ -5,11 +5,13 @@
 
 #include <terrace/command_v1_t.hpp>
 
+#include "lcmtypes/subscribe.h"
+
 namespace terrace {
 
 TerrainClient::TerrainClient(lcm::LCM* lcm, const ChannelConfig& channels)
     : lcm_(lcm), command_channel_(channels.command) {
-  subscription_ = lcm_->good() ? lcm_->subscribe(channels.terrain, &TerrainClient::OnTerrain, this) : nullptr;
+  subscription_ = lcm_->good() ? Subscribe<&TerrainClient::OnTerrain>(lcm_, channels.terrain, this) : nullptr;
   if (subscription_ == nullptr) throw std::runtime_error("cannot listen on " + channels.terrain);
   AskForSnapshot();
 }

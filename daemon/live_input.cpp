@@ -10,6 +10,7 @@
 #include "lcmtypes/codec.h"
 #include "lcmtypes/image_codec.h"
 #include "lcmtypes/safe_decode.h"
+#include "lcmtypes/subscribe.h"
 
 namespace terrace {
 namespace {
@@ -30,21 +31,21 @@ LiveInput::LiveInput(lcm::LCM* lcm, const ChannelConfig& channels, const LiveCon
       on_command_(std::move(on_command)),
       calibration_(std::move(calibration)),
       assembler_(config) {
-  Subscribe(channels.images, &LiveInput::OnImages, kImageCapacity);
-  if (!calibration_) Subscribe(channels.calibration, &LiveInput::OnCalibration, kOtherCapacity);
-  Subscribe(channels.imu, &LiveInput::OnImu, kSampleCapacity);
-  Subscribe(channels.body_prior, &LiveInput::OnBodyPrior, kSampleCapacity);
-  if (!channels.body_pose.empty()) Subscribe(channels.body_pose, &LiveInput::OnBodyPose, kSampleCapacity);
-  Subscribe(channels.command, &LiveInput::OnCommandMessage, kOtherCapacity);
+  Listen<&LiveInput::OnImages>(channels.images, kImageCapacity);
+  if (!calibration_) Listen<&LiveInput::OnCalibration>(channels.calibration, kOtherCapacity);
+  Listen<&LiveInput::OnImu>(channels.imu, kSampleCapacity);
+  Listen<&LiveInput::OnBodyPrior>(channels.body_prior, kSampleCapacity);
+  if (!channels.body_pose.empty()) Listen<&LiveInput::OnBodyPose>(channels.body_pose, kSampleCapacity);
+  Listen<&LiveInput::OnCommandMessage>(channels.command, kOtherCapacity);
 }
 
 LiveInput::~LiveInput() {
   for (lcm::Subscription* subscription : subscriptions_) lcm_->unsubscribe(subscription);
 }
 
-void LiveInput::Subscribe(const std::string& channel, void (LiveInput::*handler)(Buffer*, const std::string&),
-                          int capacity) {
-  lcm::Subscription* subscription = lcm_->subscribe(channel, handler, this);
+template <auto method>
+void LiveInput::Listen(const std::string& channel, int capacity) {
+  lcm::Subscription* subscription = Subscribe<method>(lcm_, channel, this);
   if (subscription == nullptr) throw std::runtime_error("cannot listen on " + channel);
   subscription->setQueueCapacity(capacity);
   subscriptions_.push_back(subscription);

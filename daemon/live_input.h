@@ -63,8 +63,8 @@ class LiveInput {
   void OnCommandMessage(Buffer* buffer, const std::string& channel);
   template <typename Message, typename Use>
   void Decode(Buffer* buffer, Use use);
-  void Subscribe(const std::string& channel, void (LiveInput::*handler)(Buffer*, const std::string&),
-                 int capacity);
+  template <auto method>
+  void Listen(const std::string& channel, int capacity);
   void CheckSize(SensorFrame* frame);
 
   lcm::LCM* const lcm_;

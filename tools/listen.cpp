@@ -16,6 +16,7 @@
 #include "lcmtypes/channels.h"
 #include "lcmtypes/codec.h"
 #include "lcmtypes/safe_decode.h"
+#include "lcmtypes/subscribe.h"
 #include "tools/commands.h"
 #include "tools/terrain_words.h"
 
@@ -36,9 +37,9 @@ class Listener {
  public:
   explicit Listener(lcm::LCM* lcm) : lcm_(lcm), terrain_(lcm) {
     const ChannelConfig channels;
-    lcm_->subscribe(channels.pose, &Listener::OnPose, this);
-    lcm_->subscribe(channels.status, &Listener::OnStatus, this);
-    lcm_->subscribe(channels.reply, &Listener::OnReply, this);
+    Subscribe<&Listener::OnPose>(lcm_, channels.pose, this);
+    Subscribe<&Listener::OnStatus>(lcm_, channels.status, this);
+    Subscribe<&Listener::OnReply>(lcm_, channels.reply, this);
   }
 
   void Run(std::optional<Clock::time_point> end) {

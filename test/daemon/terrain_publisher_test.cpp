@@ -11,6 +11,7 @@
 #include "client/terrain_client.h"
 #include "lcmtypes/codec.h"
 #include "lcmtypes/safe_decode.h"
+#include "lcmtypes/subscribe.h"
 #include "test/lcmtypes/example_maps.h"
 
 namespace terrace {
@@ -26,9 +27,9 @@ class Ear {
  public:
   explicit Ear(lcm::LCM* lcm) : lcm_(lcm) {
     const ChannelConfig channels;
-    lcm_->subscribe(channels.terrain, &Ear::OnTerrain, this);
-    lcm_->subscribe(channels.pose, &Ear::OnPose, this);
-    lcm_->subscribe(channels.odometry, &Ear::OnUpdate, this);
+    Subscribe<&Ear::OnTerrain>(lcm_, channels.terrain, this);
+    Subscribe<&Ear::OnPose>(lcm_, channels.pose, this);
+    Subscribe<&Ear::OnUpdate>(lcm_, channels.odometry, this);
   }
 
   void HandleAll() {
