@@ -214,6 +214,8 @@ std::vector<std::string> MappingConfig::Problems() const {
   if (min_frames < 1) problems.push_back("mapping.min_frames must be at least 1");
   if (!(min_hit_share >= 0.0 && min_hit_share < 1.0))
     problems.push_back("mapping.min_hit_share must be at least 0 and below 1");
+  if (!(depth_sigma_factor > 0.0 && depth_sigma_factor <= 100.0))
+    problems.push_back("mapping.depth_sigma_factor must be above 0 and at most 100");
   if (!(pose_sigma_m > 0.0 && pose_sigma_m <= 1.0))
     problems.push_back("mapping.pose_sigma_m must be above 0 and at most 1");
   if (memory_frames < 2) problems.push_back("mapping.memory_frames must be at least 2");
@@ -281,6 +283,7 @@ class TerrainOctree::Impl {
     const Eigen::Vector3f in_camera_leaf = (camera_leaves - camera_leaf.cast<double>()).cast<float>();
     const Eigen::Matrix3f R = (T_world_left.linear() * leaves_per_m).cast<float>();
     const float pose_variance = static_cast<float>(config_.pose_sigma_m * config_.pose_sigma_m);
+    const float sigma_factor = static_cast<float>(config_.depth_sigma_factor);
     const float leaf_m = static_cast<float>(config_.leaf_size_m);
     const float fx = static_cast<float>(camera_.fx), fy = static_cast<float>(camera_.fy);
     const float cx = static_cast<float>(camera_.cx), cy = static_cast<float>(camera_.cy);
@@ -295,7 +298,8 @@ class TerrainOctree::Impl {
       const float inverse_z = 1.0F / point.p_left.z();
       const float u = fx * point.p_left.x() * inverse_z + cx + 0.5F;
       const float v = fy * point.p_left.y() * inverse_z + cy + 0.5F;
-      const float variance = point.sigma_depth_m * point.sigma_depth_m + pose_variance;
+      const float sigma = sigma_factor * point.sigma_depth_m;
+      const float variance = sigma * sigma + pose_variance;
       const Eigen::Vector3f p = R * point.p_left + in_camera_leaf;
       // Also false for anything that is not a number.
       if (!(inverse_z > 0.0F && variance > 0.0F && p.cwiseAbs().maxCoeff() < kKeyOffset && u >= 0.0F &&

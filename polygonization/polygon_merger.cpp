@@ -32,6 +32,15 @@ constexpr double kLeaveFactor = 1.5;
 /// frames.
 constexpr FrameId kCellsPerFrame = 12;
 constexpr FrameId kMostPatience = 10;
+/// A polygon is larger than this many times its noise.
+constexpr double kCredibleEdge = 6.0;
+/// A surface is the shadow of a stronger one that covers it, faces the same way and lies no farther away than
+/// this, and so many times its noise.
+constexpr double kShadowOffset_m = 0.05;
+constexpr double kShadowNoise = 4.0;
+constexpr double kShadowAngle_rad = 0.45;
+constexpr double kShadowStrength = 4.0;
+constexpr double kShadowShare = 0.5;
 /// The axes of a surface's outline are laid anew when its normal has turned by this much.
 constexpr double kMaxTurn_rad = 0.03;
 
@@ -468,7 +477,7 @@ class PolygonMerger::Impl {
         surfaces_.erase(found);
         continue;
       }
-      CutPieces(id, surface, &pieces);
+      if (!IsShadow(id, surface)) CutPieces(id, surface, &pieces);
     }
     // Ids go to the pieces that hold most of the old polygon; ties to the older id.
     std::vector<std::tuple<double, PolygonId, std::size_t>> claims;
@@ -495,6 +504,49 @@ class PolygonMerger::Impl {
       result->removed.push_back(id);
     }
     std::sort(result->changed.begin(), result->changed.end());
+  }
+
+  /// Matching errors put thin layers in front of and behind a surface. They are many times weaker than the
+  /// surface, noisy, and lie over it.
+  bool IsShadow(SurfaceId id, const Surface& surface) {
+    const double reach = kShadowOffset_m + kShadowNoise * surface.noise_m;
+    double covered = 0.0, all = 0.0;
+    for (const CellKey& key : surface.cells) {
+      const auto& members = cells_.at(key).members;
+      for (int i = 0; i < static_cast<int>(members.size()); ++i) {
+        const Member& member = members[static_cast<std::size_t>(i)];
+        if (member.surface != id) continue;
+        all += member.patch.area_m2;
+        const auto covers = [&](const Member& other) {
+          if (other.surface == kNone || other.surface == id) return false;
+          const Surface& stronger = surfaces_.at(other.surface);
+          if (stronger.moments.weight < kShadowStrength * surface.moments.weight) return false;
+          if (stronger.plane_world.normal.dot(surface.plane_world.normal) < std::cos(kShadowAngle_rad))
+            return false;
+          if (std::abs(stronger.plane_world.SignedDistance(member.mean_world)) > reach) return false;
+          const Eigen::Vector3d onto = stronger.plane_world.Project(member.mean_world);
+          return ((onto - other.low_world).array() > -kShadowOffset_m).all() &&
+                 ((other.high_world - onto).array() > -kShadowOffset_m).all();
+        };
+        if (AnyAround(key, covers)) covered += member.patch.area_m2;
+      }
+    }
+    return covered > kShadowShare * all;
+  }
+
+  /// True when the predicate holds for a patch in the cell or the 26 around it.
+  template <typename Predicate>
+  bool AnyAround(const CellKey& key, const Predicate& predicate) const {
+    for (int dx = -1; dx <= 1; ++dx) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dz = -1; dz <= 1; ++dz) {
+          const auto found = cells_.find({key.x + dx, key.y + dy, key.z + dz});
+          if (found == cells_.end()) continue;
+          if (std::any_of(found->second.members.begin(), found->second.members.end(), predicate)) return true;
+        }
+      }
+    }
+    return false;
   }
 
   void CutPieces(SurfaceId id, const Surface& surface, std::vector<Piece>* pieces) {
@@ -534,8 +586,14 @@ class PolygonMerger::Impl {
         tracer.Fill(d.centres[i], to_plane(member.patch.footprints[i].half_x.cast<double>()),
                     to_plane(member.patch.footprints[i].half_y.cast<double>()));
     }
-    const std::size_t first = pieces->size();
+    const double credible_edge = kCredibleEdge * surface.noise_m;
+    std::vector<int> piece_of;  // of each shape; -1 when it is not published
     for (PlanarShape& shape : tracer.Trace()) {
+      if (shape.area_m2 < credible_edge * credible_edge) {
+        piece_of.push_back(-1);
+        continue;
+      }
+      piece_of.push_back(static_cast<int>(pieces->size()));
       pieces->emplace_back();
       pieces->back().surface = id;
       pieces->back().shape = std::move(shape);
@@ -551,8 +609,8 @@ class PolygonMerger::Impl {
         best = shape;
         most = count;
       }
-      if (best < 0) continue;
-      Piece& piece = (*pieces)[first + static_cast<std::size_t>(best)];
+      if (best < 0 || piece_of[static_cast<std::size_t>(best)] < 0) continue;
+      Piece& piece = (*pieces)[static_cast<std::size_t>(piece_of[static_cast<std::size_t>(best)])];
       const Member& member = At(d.ref);
       if (member.polygon != 0) piece.votes[member.polygon] += member.patch.area_m2;
       piece.members.push_back(d.ref);
