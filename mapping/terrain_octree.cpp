@@ -339,26 +339,32 @@ class TerrainOctree::Impl {
       Cell& cell = cells_[node->getValue()];
       cell.weight += seen.moments.weight;
       Touch(KeyOf(seen.key), frame_id, &cell);
-      // Down to the leaf. A coarse leaf on the way, seen from afar, gives way to the finer one.
+      // Down to the leaf.
       const unsigned depth = kTreeDepth - static_cast<unsigned>(seen.level);
+      std::array<Node*, 8> coarse{};
+      std::size_t num_coarse = 0;
       for (unsigned child_depth = cell_depth_ + 1; child_depth <= depth; ++child_depth) {
         const unsigned child = static_cast<unsigned>(ChildIndex(seen.key, child_depth));
-        if (!tree_.nodeChildExists(node, child)) {
-          node = tree_.createNodeChild(node, child);
-        } else {
-          node = tree_.getNodeChild(node, child);
-          if (child_depth < depth && node->getValue() != kNothing) {
-            leaves_.GiveBack(node->getValue());
-            node->setValue(kNothing);
-          }
-        }
+        node = tree_.nodeChildExists(node, child) ? tree_.getNodeChild(node, child)
+                                                  : tree_.createNodeChild(node, child);
+        if (child_depth == depth || node->getValue() == kNothing) continue;
+        coarse[num_coarse++] = node;
+        leaves_[node->getValue()].hit_frame = frame_id;
       }
-      if (tree_.nodeHasChildren(node)) continue;  // known more finely already
       if (node->getValue() == kNothing) {
+        if (tree_.nodeHasChildren(node)) continue;  // known more finely already
         node->setValue(leaves_.Take());
         leaves_[node->getValue()].level = seen.level;
       }
-      AddToLeaf(seen, frame_id, camera_world, &leaves_[node->getValue()]);
+      Leaf& leaf = leaves_[node->getValue()];
+      AddToLeaf(seen, frame_id, camera_world, &leaf);
+      // Coarse leaves, seen from afar, give way to a finer one that is well known.
+      if (leaf.num_frames < kFramesToReplace) continue;
+      for (std::size_t i = 0; i < num_coarse; ++i) {
+        leaves_.GiveBack(coarse[i]->getValue());
+        coarse[i]->setValue(kNothing);
+        ++cell.num_changed_leaves;
+      }
     }
   }
 
@@ -619,7 +625,8 @@ class TerrainOctree::Impl {
   static constexpr float kWorthAFit = 1.2F;  // a fifth more weight
   static constexpr FrameId kPatience = 4;    // frames between two fits of a cell
   static constexpr int kManyLeaves = 12;     // that changed and make the next fit urgent
-  static constexpr FrameId kTurns = 2;       // a power of two
+  static constexpr float kFramesToReplace = 3.0F;
+  static constexpr FrameId kTurns = 2;  // a power of two
 
   const MappingConfig config_;
   const StereoCamera camera_;

@@ -103,7 +103,7 @@ TEST(TerrainOctreeTest, ReplacesCoarseLeavesSeenFromAfarByFineOnesSeenNear) {
   float largest = 0;
   for (const Surfel& s : SurfelsOf(octree, key)) largest = std::max(largest, s.size_m);
   EXPECT_GT(largest, 0.039F);
-  for (int i = 3; i < 8; ++i) InsertView(world, LookFrom(i, 2.2, 0, 0.5, 0, 0), &octree, &random);
+  for (int i = 3; i < 8; ++i) InsertView(world, LookFrom(i, 2.4, 0, 0.5, 0, 0), &octree, &random);
   int num_at_the_wall = 0;
   for (const Surfel& s : SurfelsOf(octree, key)) {
     // Noise seen from afar stays behind the wall, where nobody looks.
