@@ -11,6 +11,7 @@
 #include "odometry/feature_finder.h"
 #include "odometry/image_pyramid.h"
 #include "odometry/imu_preintegration.h"
+#include "odometry/keyframe_archive.h"
 #include "odometry/landmark_tracker.h"
 #include "odometry/pose_solver.h"
 #include "odometry/rotation.h"
@@ -51,6 +52,7 @@ std::vector<std::string> OdometryConfig::Problems() const {
   Require(keyframe_min_coverage > 0.0 && keyframe_min_coverage < 1.0,
           "keyframe_min_coverage must lie between 0 and 1");
   Require(min_inliers >= 6, "min_inliers must be at least 6");
+  Require(archived_keyframes >= 2 && archived_keyframes <= 10000, "archived_keyframes must lie in 2..10000");
   Require(optimizer_iterations >= 0 && optimizer_iterations <= 50, "optimizer_iterations must lie in 0..50");
   Require(max_bridging_s > 0.0, "max_bridging_s must be positive");
   Require(max_vertical_disparity_px > 0.0, "max_vertical_disparity_px must be positive");
@@ -66,7 +68,8 @@ class VisualOdometry::Impl {
         grid_(FeatureGrid::For(camera.width, camera.height, config.num_cells)),
         tracker_(camera, grid_),
         finder_(camera, grid_, config.max_disparity_px),
-        optimizer_(camera, std::nullopt) {}
+        optimizer_(camera, std::nullopt),
+        archive_(camera, config.archived_keyframes) {}
 
   PoseEstimate Track(const StereoFrame& frame, const SensorSamples& samples) {
     TERRACE_CHECK(frame.left.size() == cv::Size(camera_.width, camera_.height) &&
@@ -135,7 +138,7 @@ class VisualOdometry::Impl {
   PoseEstimate Start(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
                      const SensorSamples& samples) {
     const WorldFrame world = LayWorldFrame(config_, mounting_, samples);
-    if (!world.warning.empty()) warnings_.push_back(world.warning);
+    if (!world.warning.empty() && warnings_.empty()) warnings_.push_back(world.warning);
     gravity_ = world.gravity;
     PoseEstimate pose;
     pose.frame_id = frame.frame_id;
@@ -152,6 +155,7 @@ class VisualOdometry::Impl {
       pose.reason = "too few features to start from";
       return pose;
     }
+    archive_.Add(window_.keyframes.back(), window_.landmarks, keyframe_covariance_);
     pose.num_matches = pose.num_inliers = static_cast<int>(window_.landmarks.size());
     Remember(pose);
     return pose;
@@ -335,7 +339,9 @@ class VisualOdometry::Impl {
       optimizer_.DropOldest(window_, gravity_.down_world, noise_scale_);
     keyframe_covariance_ = kCorrelation * optimizer_.newest_covariance();
     const Keyframe& newest = window_.keyframes.back();
+    archive_.Add(newest, window_.landmarks, keyframe_covariance_);
     pose->T_world_left = newest.T_world_left;
+    pose->T_prev_left = last_->T_world_left.inverse() * pose->T_world_left;
     pose->covariance = keyframe_covariance_;
     if (imu_in_use_) {
       imu_velocity_world_ = newest.velocity_world;
@@ -465,7 +471,9 @@ class VisualOdometry::Impl {
     pose.T_world_left = solution.T_world_left;
     pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
     const Matrix6d own = kCorrelation * solution.information.inverse();
-    pose.covariance_prev = own;
+    const Matrix6d from_prev = ErrorTransport(pose.T_prev_left);
+    pose.covariance_prev = own + from_prev * own_covariance_ * from_prev.transpose();
+    own_covariance_ = own;
     const Eigen::Isometry3d T_keyframe_left =
         window_.keyframes.back().T_world_left.inverse() * pose.T_world_left;
     const Matrix6d transport = ErrorTransport(T_keyframe_left);
@@ -518,7 +526,18 @@ class VisualOdometry::Impl {
       pose.reason = "the images show too few features";
       return pose;
     }
-    if (++num_strange_frames_ < kMaxStrangeFrames) return pose;
+    if (const auto known = archive_.Recognize(left, landmarks, pose.T_world_left,
+                                              static_cast<std::uint32_t>(frame.frame_id))) {
+      pose.status = TrackingStatus::kTracking;
+      pose.reason.clear();
+      pose.T_world_left = known->T_world_left;
+      pose.covariance = known->covariance;
+      pose.num_inliers = known->num_inliers;
+      bridged_s_ = 0.0;
+      Remember(pose);
+    } else if (++num_strange_frames_ < kMaxStrangeFrames) {
+      return pose;
+    }
     num_strange_frames_ = 0;
     const KeyframeState biases = window_.keyframes.back();
     window_ = {};
@@ -585,7 +604,11 @@ class VisualOdometry::Impl {
     if (coverage < config_.keyframe_min_coverage) return true;
     auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
     std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
-    return distance * *middle > config_.keyframe_parallax;
+    if (distance * *middle > config_.keyframe_parallax) return true;
+    // At rest gravity and biases show without parallax; a few keyframes are enough, more would only drift.
+    constexpr double kPeriod_s = 1.0;
+    return imu_in_use_ && keyframes_at_rest_ < config_.window_keyframes - 2 &&
+           Seconds(last_->t_capture - newest.t_capture) > kPeriod_s;
   }
 
   void AddKeyframe(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
@@ -605,6 +628,11 @@ class VisualOdometry::Impl {
     }
     imu_since_keyframe_.reset();
     keyframe_imu_gapless_ = true;
+    constexpr double kRest_m = 0.005;
+    const bool rests =
+        !window_.keyframes.empty() &&
+        (T_world_left.translation() - window_.keyframes.back().T_world_left.translation()).norm() < kRest_m;
+    keyframes_at_rest_ = rests ? keyframes_at_rest_ + 1 : 0;
 
     // Cells where a landmark is seen much as in its host need no new one.
     constexpr double kSameScale = 1.4;
@@ -644,6 +672,7 @@ class VisualOdometry::Impl {
   FeatureFinder finder_;
 
   WindowOptimizer optimizer_;
+  KeyframeArchive archive_;
 
   Window window_;
   KeyframeId next_keyframe_id_ = 0;
@@ -655,6 +684,7 @@ class VisualOdometry::Impl {
   Eigen::Vector3d velocity_world_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_velocity_world_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_rate_ = Eigen::Vector3d::Zero();
+  int keyframes_at_rest_ = 0;  ///< in a row
   bool imu_in_use_ = false;
   bool imu_refused_ = false;
   int num_contradictions_ = 0;  ///< frames that the IMU turned otherwise, less those it did not
@@ -667,6 +697,7 @@ class VisualOdometry::Impl {
   bool keyframe_imu_gapless_ = true;  ///< since the newest keyframe
   Eigen::Vector3d imu_velocity_world_ = Eigen::Vector3d::Zero();
   double imu_velocity_sigma_ = 1.0;
+  Matrix6d own_covariance_ = Matrix6d::Zero();  ///< of the last tracked frame against its keyframe
   double bridged_s_ = 0.0;
   int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's
 

@@ -25,6 +25,8 @@ struct OdometryConfig {
   int max_disparity_px = 192;
   /// Keyframes that are refined together.
   int window_keyframes = 8;
+  /// Keyframes kept with descriptors of their features, to find back to; older ones are thinned out.
+  int archived_keyframes = 200;
   /// Steps of the refinement at each keyframe, at most.
   int optimizer_iterations = 3;
   /// A new keyframe when features have moved this far by translation, as a share of the focal length.

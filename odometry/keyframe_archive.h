@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "core/camera.h"
+#include "core/geometry.h"
+#include "core/time.h"
+#include "odometry/image_pyramid.h"
+#include "odometry/window.h"
+
+namespace terrace {
+
+/// What a corner looks like, in 256 comparisons of grey values around it (Calonder et al., BRIEF, 2010).
+using Descriptor = std::array<std::uint64_t, 4>;
+
+/// None near the border of the image.
+std::optional<Descriptor> Describe(const ImagePyramid& image, const Eigen::Vector2d& pixel);
+int Distance(const Descriptor& a, const Descriptor& b);
+
+/// What is kept of a keyframe: enough to recognise the place and to close a loop.
+struct ArchivedKeyframe {
+  KeyframeId id = 0;
+  FrameId frame_id = 0;
+  Timestamp t_capture;
+  Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Zero();  ///< against the first pose
+  struct Point {
+    Eigen::Vector3d p_left;
+    Descriptor descriptor;
+  };
+  std::vector<Point> points;
+};
+
+/// Keyframes of the whole walk, thinned so that memory stays bounded.
+class KeyframeArchive {
+ public:
+  KeyframeArchive(const StereoCamera& camera, int max_keyframes);
+
+  /// @param landmarks  those that the keyframe hosts
+  void Add(const Keyframe& keyframe, const std::vector<Landmark>& landmarks, const Matrix6d& covariance);
+
+  /// A pose found by recognising a keyframe.
+  struct Recognition {
+    Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
+    Matrix6d covariance = Matrix6d::Zero();
+    int num_inliers = 0;
+  };
+  /// Compares new features with the keyframes nearest to where the camera should be.
+  /// @param landmarks  features of the frame with their disparities
+  std::optional<Recognition> Recognize(const ImagePyramid& left, const std::vector<Landmark>& landmarks,
+                                       const Eigen::Isometry3d& expected_T_world_left,
+                                       std::uint32_t seed) const;
+
+  const std::vector<ArchivedKeyframe>& keyframes() const { return keyframes_; }
+
+ private:
+  StereoCamera camera_;
+  std::size_t max_keyframes_;
+  std::vector<ArchivedKeyframe> keyframes_;  ///< oldest first
+};
+
+}  // namespace terrace

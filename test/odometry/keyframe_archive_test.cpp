@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/keyframe_archive.h"
+
+#include <gtest/gtest.h>
+
+#include "odometry/rotation.h"
+#include "textured_image.h"
+
+namespace terrace {
+namespace {
+
+const StereoCamera kCamera{320, 240, 200.0, 200.0, 159.5, 119.5, 0.12};
+
+ImagePyramid TexturedPyramid(double du, double dv) {
+  cv::Mat1b image(kCamera.height, kCamera.width);
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u)
+      image(v, u) = cv::saturate_cast<std::uint8_t>(Texture(u + du, v + dv));
+  return BuildPyramid(image);
+}
+
+/// Features on a grid of a wall 2.4 m away; shifted against the grid of TexturedPyramid(0, 0).
+std::vector<Landmark> GridOfLandmarks(double du, double dv) {
+  std::vector<Landmark> landmarks;
+  for (int v = 40; v < 200; v += 16) {
+    for (int u = 60; u < 260; u += 16) {
+      Landmark landmark;
+      landmark.pixel_host << u - du, v - dv;
+      landmark.ray_host << (landmark.pixel_host.x() - kCamera.cx) / kCamera.fx,
+          (landmark.pixel_host.y() - kCamera.cy) / kCamera.fy, 1.0;
+      landmark.disparity_host_px = 10.0;
+      landmark.inverse_depth = 10.0 / (kCamera.fx * kCamera.baseline_m);
+      landmarks.push_back(landmark);
+    }
+  }
+  return landmarks;
+}
+
+TEST(KeyframeArchiveTest, RecognisesAPlaceFromAsideOfIt) {
+  KeyframeArchive archive(kCamera, 10);
+  Keyframe keyframe;
+  keyframe.T_world_left.translation() << 5.0, 1.0, 0.0;
+  keyframe.left = TexturedPyramid(0, 0);
+  archive.Add(keyframe, GridOfLandmarks(0, 0), Matrix6d::Identity() * 1e-4);
+
+  // 20 px to the right at 2.4 m is a step of 0.24 m.
+  const auto found =
+      archive.Recognize(TexturedPyramid(20, 0), GridOfLandmarks(20, 0), Eigen::Isometry3d::Identity(), 1);
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->T_world_left.translation() - Eigen::Vector3d(5.24, 1.0, 0.0)).norm(), 0.02);
+  EXPECT_LT(LogRotation(found->T_world_left.linear()).norm(), 0.01);
+  EXPECT_GT(found->covariance(5, 5), 1e-4);
+}
+
+TEST(KeyframeArchiveTest, DoesNotRecogniseAnotherPlace) {
+  KeyframeArchive archive(kCamera, 10);
+  Keyframe keyframe;
+  keyframe.left = TexturedPyramid(0, 0);
+  archive.Add(keyframe, GridOfLandmarks(0, 0), Matrix6d::Zero());
+  EXPECT_FALSE(archive.Recognize(TexturedPyramid(5000, 3000), GridOfLandmarks(0, 0),
+                                 Eigen::Isometry3d::Identity(), 1));
+}
+
+TEST(KeyframeArchiveTest, StaysBoundedAndKeepsTheFirstAndTheNewest) {
+  KeyframeArchive archive(kCamera, 20);
+  Keyframe keyframe;
+  keyframe.left = TexturedPyramid(0, 0);
+  for (int i = 0; i < 200; ++i) {
+    keyframe.id = i;
+    archive.Add(keyframe, {}, Matrix6d::Zero());
+    ASSERT_LE(archive.keyframes().size(), 20u);
+  }
+  EXPECT_EQ(archive.keyframes().front().id, 0);
+  EXPECT_EQ(archive.keyframes().back().id, 199);
+}
+
+}  // namespace
+}  // namespace terrace
