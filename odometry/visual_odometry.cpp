@@ -300,16 +300,21 @@ class VisualOdometry::Impl {
     if (!imu_in_use_ || predicted.dt_s <= 0.0) return;
     const ImuState seen = ImuAt(pose.T_world_left);
     const ImuState before = ImuAt(last_->T_world_left);
-    if (imu_gapless_) {
-      // Had the velocity been right, the prediction would have hit the pose.
-      const ImuState hit = imu_since_last_->Predict(before, gravity_.down_world);
-      const double trust = imu_velocity_sigma_ > 0.1 ? 1.0 : 0.4;
-      imu_velocity_world_ = hit.v_world + trust * (seen.p_world - hit.p_world) / predicted.dt_s;
-    } else {
-      imu_velocity_world_ = (seen.p_world - before.p_world) / predicted.dt_s;
-    }
     constexpr double kSeenSigma = 0.04;
-    imu_velocity_sigma_ = imu_gapless_ ? std::max(kSeenSigma, 0.3 * imu_velocity_sigma_) : 0.3;
+    constexpr double kUnseenSigma = 0.3;
+    if (!imu_gapless_) {
+      imu_velocity_world_ = (seen.p_world - before.p_world) / predicted.dt_s;
+      imu_velocity_sigma_ = kUnseenSigma;
+      return;
+    }
+    // Had the velocity been right, the prediction would have hit the pose.
+    const ImuState hit = imu_since_last_->Predict(before, gravity_.down_world);
+    imu_velocity_world_ = hit.v_world;
+    // After bridging, the miss is mostly the error of the bridge.
+    if (last_->status != TrackingStatus::kTracking) return;
+    const double trust = imu_velocity_sigma_ > 0.1 ? 1.0 : 0.4;
+    imu_velocity_world_ += trust * (seen.p_world - hit.p_world) / predicted.dt_s;
+    imu_velocity_sigma_ = std::max(kSeenSigma, 0.3 * imu_velocity_sigma_);
   }
 
   /// An IMU whose turns the images contradict again and again is mounted or timed differently than we were
@@ -472,7 +477,9 @@ class VisualOdometry::Impl {
     pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
     const Matrix6d own = kCorrelation * solution.information.inverse();
     const Matrix6d from_prev = ErrorTransport(pose.T_prev_left);
-    pose.covariance_prev = own + from_prev * own_covariance_ * from_prev.transpose();
+    const bool bridged_before = last_->status != TrackingStatus::kTracking;
+    pose.covariance_prev =
+        own + from_prev * (bridged_before ? last_->covariance : own_covariance_) * from_prev.transpose();
     own_covariance_ = own;
     const Eigen::Isometry3d T_keyframe_left =
         window_.keyframes.back().T_world_left.inverse() * pose.T_world_left;
@@ -482,10 +489,14 @@ class VisualOdometry::Impl {
     pose.num_inliers = solution.num_inliers;
     pose.rms_px = solution.rms_px;
     pose.vertical_disparity_px = vertical_px_;
-    if (predicted.dt_s > 0.0) {
+    // After bridging, the step from the last pose is mostly the error of the bridge.
+    if (predicted.dt_s > 0.0 && last_->status == TrackingStatus::kTracking) {
+      constexpr double kMeanOver_s = 0.7;
       rotation_rate_ = LogRotation(pose.T_prev_left.linear()) / predicted.dt_s;
       velocity_world_ =
           (pose.T_world_left.translation() - last_->T_world_left.translation()) / predicted.dt_s;
+      mean_velocity_world_ +=
+          (velocity_world_ - mean_velocity_world_) * std::min(1.0, predicted.dt_s / kMeanOver_s);
     }
     bridged_s_ = 0.0;
     num_strange_frames_ = 0;
