@@ -148,8 +148,14 @@ LabelRules::Face LabelRules::MeasureFace(int i) const {
     }
   }
   if (samples == 0) return measured;
-  // A fifth of the columns must reach this high: a spike is no wall.
-  const auto high = heights.begin() + (heights.size() - 1) * 4 / 5;
+  // So much of the width must reach this high: a spike is no wall, but a wall may have a low middle, where it
+  // is the face of a step as well.
+  constexpr double kMinWidth = 0.2;
+  constexpr double kMinSpacing = 0.01;
+  const double spacing = std::max(kMinSpacing, Extent(face.plan.front(), face.face_axis).length() / samples);
+  const int num_high =
+      std::clamp(static_cast<int>(std::ceil(kMinWidth / spacing)), 1, std::max(1, samples / 5));
+  const auto high = heights.end() - num_high;
   std::nth_element(heights.begin(), high, heights.end());
   measured.height_m = *high;
   measured.has_top = 2 * tops >= samples;
