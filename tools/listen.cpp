@@ -47,8 +47,10 @@ class Listener {
     while (!interrupted && (!end || Clock::now() < *end)) {
       // A signal makes the waiting fail, too.
       if (lcm_->handleTimeout(kPatienceMs) < 0 && errno != EINTR) throw std::runtime_error("LCM has failed");
-      if (terrain_.map() != map_) SayWhatChanged();
+      // Once a second is enough for a reader; small changes add up.
+      if (terrain_.map() != map_ && Clock::now() >= map_due_) SayWhatChanged();
     }
+    if (terrain_.map() != map_) SayWhatChanged();
     if (!heard_) std::printf("nothing was heard\n");
   }
 
@@ -62,12 +64,12 @@ class Listener {
   void SayWhatChanged() {
     for (const std::string& sentence : ChangesInWords(map_, *terrain_.map())) Say("map", sentence);
     map_ = terrain_.map();
+    map_due_ = Clock::now() + std::chrono::seconds(1);
   }
 
   void OnPose(const lcm::ReceiveBuffer* buffer, const std::string&) {
     const auto message = SafeDecode<pose_t>(buffer->data, buffer->data_size);
     const auto T_world_body = message ? FromMessage(*message) : std::nullopt;
-    // Once a second is enough for a reader.
     if (!T_world_body || Clock::now() < pose_due_) return;
     pose_due_ = Clock::now() + std::chrono::seconds(1);
     Say("pose", PoseInWords(*T_world_body, {message->vel[0], message->vel[1], message->vel[2]}));
@@ -88,6 +90,7 @@ class Listener {
   lcm::LCM* const lcm_;
   TerrainClient terrain_;
   TerrainMapPtr map_;
+  Clock::time_point map_due_;
   Clock::time_point pose_due_;
   bool heard_ = false;
 };

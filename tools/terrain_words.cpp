@@ -24,6 +24,9 @@ __attribute__((format(printf, 1, 2))) std::string Text(const char* format, ...) 
   return text.data();
 }
 
+/// Without the sign of a number that prints as zero.
+double Shown(double value, double unit) { return std::abs(value) < 0.5 * unit ? 0.0 : value; }
+
 struct LabelTotals {
   int num_regions = 0;
   double area_m2 = 0.0;
@@ -117,12 +120,15 @@ std::string StatusInWords(const Status& status) {
 }
 
 std::string PoseInWords(const Eigen::Isometry3d& T_world_body, const Eigen::Vector3d& v_body) {
+  constexpr double kCentimetre = 0.01;
+  constexpr double kDegrees = 180.0 / M_PI;
   const Eigen::Vector3d& p = T_world_body.translation();
   const Eigen::Vector3d forward = T_world_body.linear().col(0);
-  constexpr double kDegrees = 180.0 / M_PI;
-  return Text("at x %.2f y %.2f z %.2f m, heading %.0f deg, pitch %.0f deg, %.2f m/s", p.x(), p.y(), p.z(),
-              kDegrees * std::atan2(forward.y(), forward.x()),
-              kDegrees * std::asin(std::fmin(1.0, std::fmax(-1.0, forward.z()))), v_body.norm());
+  const double heading_deg = kDegrees * std::atan2(forward.y(), forward.x());
+  const double pitch_deg = kDegrees * std::asin(std::fmin(1.0, std::fmax(-1.0, forward.z())));
+  return Text("at x %.2f y %.2f z %.2f m, heading %.0f deg, pitch %.0f deg, %.2f m/s",
+              Shown(p.x(), kCentimetre), Shown(p.y(), kCentimetre), Shown(p.z(), kCentimetre),
+              Shown(heading_deg, 1.0), Shown(pitch_deg, 1.0), v_body.norm());
 }
 
 }  // namespace terrace

@@ -74,9 +74,9 @@ TEST(TerrainWordsTest, NamesTroublesOfTheDaemonOnlyWhenThereAreAny) {
 TEST(TerrainWordsTest, TellsPositionAndHeading) {
   Eigen::Isometry3d T_world_body = Eigen::Isometry3d::Identity();
   T_world_body.linear() = Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  T_world_body.translation() = Eigen::Vector3d(1.0, -2.0, 0.25);
+  T_world_body.translation() = Eigen::Vector3d(1.0, -2.0, -0.001);
   EXPECT_EQ(PoseInWords(T_world_body, {0.3, 0.4, 0.0}),
-            "at x 1.00 y -2.00 z 0.25 m, heading 90 deg, pitch 0 deg, 0.50 m/s");
+            "at x 1.00 y -2.00 z 0.00 m, heading 90 deg, pitch 0 deg, 0.50 m/s");
 }
 
 }  // namespace
