@@ -91,6 +91,8 @@ std::vector<BaselineFigure> DefaultFigures() {
           {"map.mean_iou", {kHigher, 0.02, 0.0}},
           {"staircases.recall", {kHigher, 0.001, 0.0}},
           {"staircases.precision", {kHigher, 0.001, 0.0}},
+          {"disparity.bad1_all_pct", {kLower, 0.2, 0.1}},
+          {"disparity.lock_px", {kLower, 0.005, 0.2}},
           // Of a shared machine; to look at.
           {"time.rate_hz", {kHigher, 0.0, 0.0}},
           {"time.peak_rss_mib", {kLower, 20.0, 0.15}}};
