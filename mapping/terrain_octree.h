@@ -41,14 +41,15 @@ struct MappingConfig {
   int leaves_per_cell = 16;
   /// A leaf is at least this many pixels wide in the image that fills it.
   double min_leaf_px = 5.0;
-  /// Points, and frames with points, that a leaf needs before it counts as occupied.
+  /// Points that a leaf needs before it counts as occupied.
   int min_points = 4;
+  /// Frames that must have put points into it.
   int min_frames = 2;
   /// A leaf in view that fewer frames than this share put points into holds noise.
   double min_hit_share = 0.3;
   /// Neighbouring pixels err together, more than each one's sigma says: sigmas of depth are taken this much
   /// larger.
-  double depth_sigma_factor = 2.0;
+  double depth_sigma_factor = 1.5;
   /// What the pose of a frame adds to the error of its points.
   double pose_sigma_m = 0.002;
   /// A leaf remembers about this many frames; older ones fade, so that new ones can still move it.
