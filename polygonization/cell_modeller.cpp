@@ -266,17 +266,16 @@ class CellFit {
 
 std::vector<std::string> ModellingConfig::Problems() const {
   std::vector<std::string> problems;
-  if (!(inlier_distance_m > 0.0)) problems.push_back("modelling.inlier_distance_m must be above 0");
+  if (!(inlier_distance_m > 0.0)) problems.push_back("inlier_distance_m must be above 0");
   if (!(max_inlier_distance_m >= inlier_distance_m))
-    problems.push_back("modelling.max_inlier_distance_m must be at least modelling.inlier_distance_m");
+    problems.push_back("max_inlier_distance_m must be at least inlier_distance_m");
   if (!(max_rms_share > 0.0 && max_rms_share <= 1.0))
-    problems.push_back("modelling.max_rms_share must be above 0 and at most 1");
-  if (!(min_patch_area_m2 >= 0.0)) problems.push_back("modelling.min_patch_area_m2 must not be negative");
-  if (max_planes < 1 || max_planes > 100)
-    problems.push_back("modelling.max_planes must be between 1 and 100");
+    problems.push_back("max_rms_share must be above 0 and at most 1");
+  if (!(min_patch_area_m2 >= 0.0)) problems.push_back("min_patch_area_m2 must not be negative");
+  if (max_planes < 1 || max_planes > 100) problems.push_back("max_planes must be between 1 and 100");
   if (num_hypotheses < 1 || num_hypotheses > 10000)
-    problems.push_back("modelling.num_hypotheses must be between 1 and 10000");
-  if (num_pretest < 3) problems.push_back("modelling.num_pretest must be at least 3");
+    problems.push_back("num_hypotheses must be between 1 and 10000");
+  if (num_pretest < 3) problems.push_back("num_pretest must be at least 3");
   return problems;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -184,81 +185,169 @@ double SignedArea(const Ring2& ring) {
   return 0.5 * twice;
 }
 
-bool AreSimple(const std::vector<const Ring2*>& rings) {
+namespace {
+
+/// The edge of rings[ring] that starts at its vertex `index`.
+struct RingEdge {
+  std::size_t ring = 0;
+  std::size_t index = 0;
+};
+
+/// Edges that touch another one, but neighbours at their common vertex, or that have no length.
+std::vector<RingEdge> TouchingEdges(const std::vector<const Ring2*>& rings) {
   struct Edge {
     Eigen::Vector2d a, b;
-    std::size_t ring, index, count;
+    RingEdge name;
+    std::size_t count;
     double low_x;
   };
   std::vector<Edge> edges;
   for (std::size_t r = 0; r < rings.size(); ++r) {
     const Ring2& ring = *rings[r];
-    if (ring.size() < 3) return false;
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Eigen::Vector2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
-      edges.push_back({a, b, r, i, ring.size(), std::min(a.x(), b.x())});
+      edges.push_back({a, b, {r, i}, ring.size(), std::min(a.x(), b.x())});
     }
   }
   std::sort(edges.begin(), edges.end(), [](const Edge& l, const Edge& r) { return l.low_x < r.low_x; });
+  const auto follows = [](const Edge& e, const Edge& f) {
+    return e.name.ring == f.name.ring && (e.name.index + 1) % e.count == f.name.index;
+  };
+  const auto turns_back = [](const Edge& e, const Edge& f) {
+    return Cross(e.b - e.a, f.b - f.a) == 0.0 && (e.b - e.a).dot(f.b - f.a) < 0.0;
+  };
+  std::vector<RingEdge> touching;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const Edge& e = edges[i];
-    if (e.a == e.b) return false;
+    if (e.a == e.b) touching.push_back(e.name);
     const double high_x = std::max(e.a.x(), e.b.x());
     for (std::size_t j = i + 1; j < edges.size() && edges[j].low_x <= high_x; ++j) {
       const Edge& f = edges[j];
-      if (e.ring == f.ring && (e.index + 1) % e.count == f.index) {
-        if (e.b - e.a == -(f.b - f.a) ||
-            (Cross(e.b - e.a, f.b - f.a) == 0.0 && (e.b - e.a).dot(f.b - f.a) < 0.0))
-          return false;  // turns back on itself
-        continue;
-      }
-      if (e.ring == f.ring && (f.index + 1) % f.count == e.index) {
-        if (Cross(f.b - f.a, e.b - e.a) == 0.0 && (f.b - f.a).dot(e.b - e.a) < 0.0) return false;
-        continue;
-      }
-      if (SegmentsTouch(e.a, e.b, f.a, f.b)) return false;
+      const bool touch = follows(e, f)   ? turns_back(e, f)
+                         : follows(f, e) ? turns_back(f, e)
+                                         : SegmentsTouch(e.a, e.b, f.a, f.b);
+      if (!touch) continue;
+      touching.push_back(e.name);
+      touching.push_back(f.name);
     }
   }
-  return true;
+  return touching;
 }
 
-Ring2 Simplify(const Ring2& ring, double tolerance) {
-  const int n = static_cast<int>(ring.size());
-  if (n <= 4) return ring;
-  // The chain is cut at two vertices far apart, which no simplification would drop.
-  int a = 0;
-  for (int i = 1; i < n; ++i)
-    if (ring[i].x() + ring[i].y() < ring[a].x() + ring[a].y()) a = i;
-  int b = a;
-  for (int i = 0; i < n; ++i)
-    if ((ring[i] - ring[a]).squaredNorm() > (ring[b] - ring[a]).squaredNorm()) b = i;
-  std::vector<bool> keep(ring.size(), false);
-  keep[a] = keep[b] = true;
-  const int second = b > a ? b : b + n;
-  KeepFarVertices(ring, a, second, tolerance, &keep);
-  KeepFarVertices(ring, second, a + n, tolerance, &keep);
-  std::vector<int> kept;
-  for (int i = 0; i < n; ++i)
-    if (keep[i]) kept.push_back(i);
-  const int m = static_cast<int>(kept.size());
-  if (m < 3) return {};
-  // A traced edge runs along pixels; the line fitted to it is finer than they are.
-  std::vector<Line2> lines;
-  for (int i = 0; i < m; ++i) lines.push_back(FitLine(ring, kept[i], i + 1 < m ? kept[i + 1] : kept[0] + n));
-  Ring2 result;
-  for (int i = 0; i < m; ++i) {
-    const Line2& before = lines[(i + m - 1) % m];
-    const Line2& after = lines[i];
-    Eigen::Vector2d vertex = ring[kept[i]];
-    const double sine = Cross(before.direction, after.direction);
-    if (std::abs(sine) > 0.2) {
-      const double t = Cross(after.point - before.point, after.direction) / sine;
-      const Eigen::Vector2d meeting = before.point + t * before.direction;
-      if ((meeting - vertex).norm() < 2.0 * tolerance) vertex = meeting;
-    }
-    result.push_back(vertex);
+/// A traced ring with fewer vertices, no edge farther than a tolerance from what it replaces; edges are lines
+/// fitted to what they replace. Where that makes edges touch, Refine() brings traced vertices back.
+class SimplifiedRing {
+ public:
+  SimplifiedRing(const Ring2& traced, double tolerance)
+      : traced_(&traced), tolerance_(tolerance), keep_(traced.size(), false), pinned_(traced.size(), false) {
+    const int n = static_cast<int>(traced.size());
+    // The chain is cut at two vertices far apart, which no simplification would drop.
+    int a = 0;
+    for (int i = 1; i < n; ++i)
+      if (traced[i].x() + traced[i].y() < traced[a].x() + traced[a].y()) a = i;
+    int b = a;
+    for (int i = 0; i < n; ++i)
+      if ((traced[i] - traced[a]).squaredNorm() > (traced[b] - traced[a]).squaredNorm()) b = i;
+    keep_[a] = keep_[b] = true;
+    const int second = b > a ? b : b + n;
+    KeepFarVertices(traced, a, second, tolerance, &keep_);
+    KeepFarVertices(traced, second, a + n, tolerance, &keep_);
+    Build();
+    if (ring_.size() < 3 || SignedArea(ring_) * SignedArea(traced) <= 0.0) KeepAll();
   }
-  return result;
+
+  const Ring2& ring() const { return ring_; }
+
+  /// The edge that starts at vertex `index` gives way: its ends go back to where they were traced, and what
+  /// it replaces is halved. Takes effect with the next Build().
+  void Refine(std::size_t index) {
+    const int n = static_cast<int>(traced_->size());
+    const int first = kept_[index];
+    const int last = index + 1 < kept_.size() ? kept_[index + 1] : kept_[0] + n;
+    for (const int i : {first, (first + last) / 2, last}) keep_[i % n] = pinned_[i % n] = true;
+  }
+
+  void KeepAll() {
+    std::fill(keep_.begin(), keep_.end(), true);
+    pinned_ = keep_;
+    Build();
+  }
+
+  void Build() {
+    const Ring2& traced = *traced_;
+    const int n = static_cast<int>(traced.size());
+    kept_.clear();
+    ring_.clear();
+    for (int i = 0; i < n; ++i)
+      if (keep_[i]) kept_.push_back(i);
+    const int m = static_cast<int>(kept_.size());
+    if (m < 3) return;
+    // A traced edge runs along pixels; the line fitted to it is finer than they are.
+    std::vector<Line2> lines;
+    for (int i = 0; i < m; ++i)
+      lines.push_back(FitLine(traced, kept_[i], i + 1 < m ? kept_[i + 1] : kept_[0] + n));
+    for (int i = 0; i < m; ++i) {
+      const Line2& before = lines[(i + m - 1) % m];
+      const Line2& after = lines[i];
+      Eigen::Vector2d vertex = traced[kept_[i]];
+      const double sine = Cross(before.direction, after.direction);
+      if (!pinned_[kept_[i]] && std::abs(sine) > 0.2) {
+        const double t = Cross(after.point - before.point, after.direction) / sine;
+        const Eigen::Vector2d meeting = before.point + t * before.direction;
+        if ((meeting - vertex).norm() < 2.0 * tolerance_) vertex = meeting;
+      }
+      ring_.push_back(vertex);
+    }
+  }
+
+ private:
+  const Ring2* traced_;
+  double tolerance_;
+  std::vector<bool> keep_;    // traced vertices that stay
+  std::vector<bool> pinned_;  // and may not move
+  std::vector<int> kept_;
+  Ring2 ring_;
+};
+
+// Beyond this a simplified outline would no longer be the shape.
+constexpr double kMaxTolerance = 0.2;
+
+int NumVertices(const std::vector<Ring2>& rings) {
+  std::size_t num = 0;
+  for (const Ring2& ring : rings) num += ring.size();
+  return static_cast<int>(num);
+}
+
+/// Simplifies the rings of one shape so that they neither cross nor touch; the traced rings themselves never
+/// do.
+std::vector<Ring2> SimplifyShape(const std::vector<Ring2>& traced, double tolerance) {
+  std::vector<SimplifiedRing> simplified;
+  for (const Ring2& ring : traced) simplified.emplace_back(ring, tolerance);
+  // Each pass halves what the touching edges replace, so that a dozen reach single pixels; the rest are for
+  // edges that only come to touch by it.
+  constexpr int kMaxPasses = 40;
+  bool touching = true;
+  for (int pass = 0; pass < kMaxPasses && touching; ++pass) {
+    std::vector<const Ring2*> rings;
+    for (const SimplifiedRing& ring : simplified) rings.push_back(&ring.ring());
+    const std::vector<RingEdge> edges = TouchingEdges(rings);
+    for (const RingEdge& edge : edges) simplified[edge.ring].Refine(edge.index);
+    for (SimplifiedRing& ring : simplified) ring.Build();
+    touching = !edges.empty();
+  }
+  std::vector<Ring2> rings;
+  for (SimplifiedRing& ring : simplified) {
+    if (touching) ring.KeepAll();
+    rings.push_back(ring.ring());
+  }
+  return rings;
+}
+
+}  // namespace
+
+bool AreSimple(const std::vector<const Ring2*>& rings) {
+  return std::all_of(rings.begin(), rings.end(), [](const Ring2* ring) { return ring->size() >= 3; }) &&
+         TouchingEdges(rings).empty();
 }
 
 OutlineTracer::OutlineTracer(const OutlineSettings& settings, const Eigen::Vector2d& low,
@@ -326,19 +415,13 @@ std::vector<PlanarShape> OutlineTracer::Trace() {
       if (SignedArea(ring) < 0.0 && -SignedArea(ring) < settings_.min_area_m2) continue;
       traced.push_back(std::move(ring));
     }
-    // The tolerance shrinks until the rings neither cross nor touch; the traced rings themselves never do.
-    std::vector<Ring2> rings;
     double tolerance = settings_.simplify_m * pixel_m_ / settings_.resolution_m;
-    for (int attempt = 0; attempt < 4; ++attempt, tolerance *= 0.5) {
-      rings.clear();
-      std::vector<const Ring2*> pointers;
-      bool valid = true;
-      for (const Ring2& ring : traced) {
-        rings.push_back(attempt < 3 ? Simplify(ring, tolerance) : ring);
-        valid = valid && SignedArea(rings.back()) * SignedArea(ring) > 0.0;
-      }
-      for (const Ring2& ring : rings) pointers.push_back(&ring);
-      if (valid && AreSimple(pointers)) break;
+    std::vector<Ring2> rings = SimplifyShape(traced, tolerance);
+    while (NumVertices(rings) > settings_.max_vertices && tolerance < kMaxTolerance) {
+      tolerance *= 1.5;
+      std::vector<Ring2> coarser = SimplifyShape(traced, tolerance);
+      // Rings that would touch get vertices back, so that coarser is not always fewer.
+      if (NumVertices(coarser) < NumVertices(rings)) rings = std::move(coarser);
     }
     PlanarShape shape;
     for (Ring2& ring : rings) {

@@ -26,6 +26,7 @@ struct OutlineSettings {
   double min_width_m = 0.025;  ///< narrower tongues are cut off
   double min_area_m2 = 0.01;   ///< smaller pieces and holes are dropped
   double simplify_m = 0.008;   ///< how far a simplified edge may leave the traced one
+  int max_vertices = 2000;     ///< of one shape; ragged ones are simplified further, as far as they allow
 };
 
 /// Draws rectangles of one plane into a bitmap, and traces what they cover.
@@ -49,10 +50,6 @@ class OutlineTracer {
   cv::Mat1b filled_;
   cv::Mat1i labels_;  // shape + 1
 };
-
-/// Fewer vertices, no edge farther than `tolerance` from the ring it replaces; edges are lines fitted to what
-/// they replace. Empty when nothing valid is left.
-Ring2 Simplify(const Ring2& ring, double tolerance);
 
 /// Area with sign: positive when counter-clockwise.
 double SignedArea(const Ring2& ring);

@@ -28,6 +28,9 @@ struct MergingConfig {
   double outline_resolution_m = 0.01;
   /// How far a simplified edge of an outline may leave the traced one.
   double simplify_m = 0.008;
+  /// Vertices of one polygon, so that it fits a message; a more ragged one is simplified further, as far as
+  /// its rings allow without touching.
+  int max_vertices = 2000;
   /// A polygon gets a new revision when its plane moved by this much inside its outline, or its area changed
   /// by as much along its edges.
   double min_change_m = 0.001;

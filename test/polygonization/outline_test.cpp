@@ -98,6 +98,26 @@ TEST(OutlineTracerTest, GivesSimpleRingsForAnythingScattered) {
   }
 }
 
+TEST(OutlineTracerTest, ARaggedShapeIsSimplifiedFurtherWhenItHasTooManyVertices) {
+  const auto num_vertices = [](int max_vertices) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> anywhere(0.0, 1.0);
+    OutlineSettings settings;
+    settings.max_vertices = max_vertices;
+    OutlineTracer tracer(settings, {0, -1}, {4, 1});
+    FillRectangle(4.0, 0.5, 0.0, {2.0, 0.0}, &tracer);
+    // Teeth of random length along one side, as rows of far ground leave them.
+    for (int i = 0; i < 80; ++i)
+      tracer.Fill({0.05 * i, 0.25}, {0.015, 0.0}, {0.0, 0.05 + 0.1 * anywhere(random)});
+    const std::vector<PlanarShape> shapes = tracer.Trace();
+    EXPECT_EQ(shapes.size(), 1U);
+    EXPECT_TRUE(AreSimple({&shapes[0].outline}));
+    return shapes[0].outline.size();
+  };
+  EXPECT_GT(num_vertices(5000), 60U);
+  EXPECT_LE(num_vertices(20), 20U);
+}
+
 TEST(OutlineTracerTest, CoarsensRatherThanAllocateWithoutBound) {
   OutlineTracer tracer({}, {0, 0}, {10000, 10000});
   FillRectangle(0.4, 0.4, 0.0, {5000, 5000}, &tracer);
