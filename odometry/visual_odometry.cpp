@@ -43,7 +43,7 @@ Matrix6d DiagonalCovariance(double rotation_sigma, double translation_sigma) {
 std::vector<std::string> OdometryConfig::Problems() const {
   std::vector<std::string> problems;
   const auto Require = [&problems](bool holds, const std::string& sentence) {
-    if (!holds) problems.push_back("odometry." + sentence);
+    if (!holds) problems.push_back(sentence);
   };
   Require(num_cells >= 40 && num_cells <= 2000, "num_cells must lie in 40..2000");
   Require(max_disparity_px >= 16 && max_disparity_px <= 512, "max_disparity_px must lie in 16..512");
