@@ -93,6 +93,7 @@ class LiveMapper {
 
  private:
   void TakeResult(const FrameResult& result) {
+    for (const std::string& warning : result.warnings) spdlog::warn("{}", warning);
     pipeline_.meters()["publish"].Run([&] {
       publisher_.Publish(result.pose, result.map);
       const double latency_ms = handovers_.LatencyMs(result.pose.t_capture);

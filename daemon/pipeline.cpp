@@ -2,6 +2,7 @@
 #include "daemon/pipeline.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/check.h"
 #include "labeling/gravity_from_planes.h"
@@ -95,7 +96,10 @@ TrackedPose Pipeline::Track(const SensorFrame& sensors, const StereoFramePtr& fr
     const PoseEstimate pose = frame ? odometry_.Track(*frame, sensors.samples)
                                     : odometry_.Bridge(sensors.frame_id, sensors.pair.t_capture,
                                                        sensors.samples, sensors.pair.problem);
-    return TrackedPose{pose, odometry_.gravity()};
+    const std::vector<std::string>& all = odometry_.warnings();
+    std::vector<std::string> warnings(all.begin() + static_cast<std::ptrdiff_t>(num_warnings_), all.end());
+    num_warnings_ = all.size();
+    return TrackedPose{pose, odometry_.gravity(), std::move(warnings)};
   });
 }
 
@@ -104,6 +108,7 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   FrameResult result;
   result.pose = tracked.pose;
   result.disparity = disparity;
+  result.warnings = tracked.warnings;
   const TerrainMapPtr before = labeler_->map();
   if (reset_requested_.exchange(false)) StartMap(before->map_id + 1);
   Feedback feedback;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -30,6 +31,7 @@ namespace terrace {
 struct TrackedPose {
   PoseEstimate pose;
   Gravity gravity;
+  std::vector<std::string> warnings;  ///< new with this frame, a sentence each
 };
 
 /// What one frame led to.
@@ -41,6 +43,7 @@ struct FrameResult {
   std::int64_t map_cells = 0;         ///< occupied leaves
   std::int64_t map_bytes = 0;         ///< heap of octree and regions
   std::shared_ptr<const DisparityImage> disparity;  ///< null when the images could not be used
+  std::vector<std::string> warnings;                ///< for the user, new with this frame, a sentence each
 };
 
 /// The stages of the mapper, bound to one camera. Process() is the way of a frame; ThreadedPipeline binds the
@@ -82,6 +85,7 @@ class Pipeline {
   CellModeller modeller_;
   std::unique_ptr<PolygonMerger> merger_;
   std::unique_ptr<TerrainLabeler> labeler_;
+  std::size_t num_warnings_ = 0;  // of the odometry, given out so far; of the thread that tracks
   FeedbackExchange feedback_;
   StageMeters meters_;
   std::atomic<bool> reset_requested_{false};

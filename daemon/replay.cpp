@@ -96,6 +96,7 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   const auto start = Clock::now();
 
   const auto sink = [&](const SensorFrame&, const FrameResult& result) {
+    for (const std::string& warning : result.warnings) spdlog::warn("{}", warning);
     pipeline.meters()["publish"].Run([&] {
       const auto latency_ms =
           options.realtime ? std::optional(handovers.LatencyMs(result.pose.t_capture)) : std::nullopt;
