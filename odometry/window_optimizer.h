@@ -16,7 +16,7 @@ namespace terrace {
 /// Refines the keyframes and landmarks of a window together: Levenberg-Marquardt over reprojection in both
 /// cameras, preintegrated IMU factors with biases and the direction of gravity, and a prior that stands for
 /// all that has left the window. Every landmark has one unknown, its inverse depth, and is eliminated by hand
-/// before the poses are solved for: a few times faster here than a general solver, and the reduced matrix
+/// before the poses are solved for: the problem shrinks to the poses, and the reduced matrix
 /// gives covariance and marginalisation for nothing.
 class WindowOptimizer {
  public:
