@@ -114,6 +114,15 @@ class Pool {
 class Node : public octomap::OcTreeDataNode<int> {
  public:
   Node() : octomap::OcTreeDataNode<int>(kNothing) {}
+
+  /// OctoMap keeps the array of children when the last child is deleted, and expects it gone with the node.
+  void ReleaseEmptyChildren() {
+    if (children == nullptr ||
+        std::any_of(children, children + 8, [](auto* child) { return child != nullptr; }))
+      return;
+    delete[] children;
+    children = nullptr;
+  }
 };
 
 /// OctoMap's own OcTreeBase does not compile as C++20.
@@ -470,6 +479,7 @@ class TerrainOctree::Impl {
       if (below->getValue() == kNothing && (depth + 1 == kTreeDepth || !tree_.nodeHasChildren(below)))
         tree_.deleteNodeChild(node, child);
     }
+    node->ReleaseEmptyChildren();
   }
 
   void CheckLeaf(Node* node, unsigned depth, const Eigen::Vector3f& centre, Cell* cell) {
