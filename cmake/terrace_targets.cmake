@@ -27,6 +27,14 @@ function(terrace_library name)
   target_link_libraries(terrace_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:terrace::options> ${ARG_PRIVATE})
 endfunction()
 
+# terrace_called_by_tbb(SOURCES...): files that the thread sanitizer must not judge, because TBB, which it cannot see into,
+# starts and ends what they do; they tell it of that where TERRACE_SANITIZE_THREAD is defined.
+function(terrace_called_by_tbb)
+  if(TERRACE_SANITIZE STREQUAL "thread")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-fno-sanitize=thread;-DTERRACE_SANITIZE_THREAD")
+  endif()
+endfunction()
+
 # terrace_test(FOLDER SOURCES... [LINK targets...] [TIMEOUT seconds] [LABELS labels...])
 # One test program a folder, terrace_FOLDER_test; every TEST in it becomes a ctest test of its own.
 function(terrace_test name)

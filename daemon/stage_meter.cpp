@@ -7,6 +7,10 @@
 
 #include "core/check.h"
 
+#ifdef TERRACE_SANITIZE_THREAD
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace terrace {
 namespace {
 
@@ -25,6 +29,24 @@ thread_local std::int64_t helper_entered_cpu_ns = 0;
 
 StageMeter::StageMeter(std::string name) : name_(std::move(name)), helpers_(&arena_) {}
 StageMeter::~StageMeter() = default;
+
+// Like core/parallel_for.cpp: in a build for the thread sanitizer this file is not instrumented, since TBB's
+// threads call it, and tells the sanitizer that a step, which TBB may hand to another thread, starts here and
+// ends here.
+void StageMeter::RunInArena(const std::function<void()>& step) {
+#ifdef TERRACE_SANITIZE_THREAD
+  char start = 0, end = 0;
+  __tsan_release(&start);
+  arena_.execute([&] {
+    __tsan_acquire(&start);
+    step();
+    __tsan_release(&end);
+  });
+  __tsan_acquire(&end);
+#else
+  arena_.execute(step);
+#endif
+}
 
 void StageMeter::HelperClock::on_scheduler_entry(bool is_worker) {
   if (is_worker) helper_entered_cpu_ns = ThreadCpuNs();

@@ -3,10 +3,14 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <tbb/task_arena.h>
@@ -37,7 +41,13 @@ class StageMeter {
   template <typename Step>
   auto Run(const Step& step) {
     const Measurement measurement(this);
-    return arena_.execute([&] { return step(); });
+    if constexpr (std::is_void_v<decltype(step())>) {
+      RunInArena(step);
+    } else {
+      std::optional<decltype(step())> result;
+      RunInArena([&] { result.emplace(step()); });
+      return *std::move(result);
+    }
   }
 
   StageCost cost() const;
@@ -67,6 +77,8 @@ class StageMeter {
     std::int64_t wall_ns_;
     std::int64_t cpu_ns_;
   };
+
+  void RunInArena(const std::function<void()>& step);
 
   const std::string name_;
   tbb::task_arena arena_;

@@ -7,10 +7,9 @@
 #include <optional>
 
 #include <Eigen/Geometry>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "core/check.h"
+#include "core/parallel_for.h"
 
 namespace terrace {
 namespace {
@@ -313,9 +312,9 @@ std::vector<Plane> CellModeller::HintsFor(const CellKey& key, const Eigen::Vecto
 PatchUpdate CellModeller::Fit(const TerrainOctree& octree, const ChangedCells& cells) {
   PatchUpdate update{cells.frame_id, cells.t_capture, {}};
   update.cells.resize(cells.keys.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells.keys.size()), [&](const auto& range) {
+  ParallelForPieces(cells.keys.size(), [&](std::size_t begin, std::size_t end) {
     std::vector<Surfel> surfels;
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+    for (std::size_t i = begin; i < end; ++i) {
       PatchUpdate::CellPatches& cell = update.cells[i];
       cell.key = cells.keys[i];
       cell.centre_world = octree.CellCentre(cell.key);

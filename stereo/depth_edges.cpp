@@ -9,7 +9,8 @@
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
-#include <tbb/parallel_for.h>
+
+#include "core/parallel_for.h"
 
 namespace terrace {
 namespace {
@@ -145,7 +146,7 @@ void SharpenDepthEdges(const cv::Mat1b& left, const cv::Mat1b& right, const Dept
   cv::Mat1f given;
   for (int round = 0; round < settings.rounds; ++round) {
     disparity.copyTo(given);
-    tbb::parallel_for(0, left.rows, [&](int v) {
+    ParallelFor(left.rows, [&](int v) {
       SharpenRow(difference, given, v, settings, disparity[v]);
       SettleClaims(difference, v, settings.min_jump_px, left.cols, disparity[v]);
     });

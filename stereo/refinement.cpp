@@ -10,8 +10,8 @@
 
 #include <opencv2/imgproc.hpp>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
+#include "core/parallel_for.h"
 #include "stereo/aligned_array.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -396,7 +396,7 @@ void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& d
   cv::Mat1f& given = scratch_->given;
   for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
     disparity.copyTo(given);
-    tbb::parallel_for(0, (height + kRowsPerStrip - 1) / kRowsPerStrip, [&](int strip) {
+    ParallelFor((height + kRowsPerStrip - 1) / kRowsPerStrip, [&](int strip) {
       StripRows& rows = scratch_->rows.local();
       const int top = strip * kRowsPerStrip, bottom = std::min(top + kRowsPerStrip, height);
       const int num_rows = bottom - top + 4 * kReach;

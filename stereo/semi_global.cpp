@@ -5,7 +5,8 @@
 #include <utility>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
+
+#include "core/parallel_for.h"
 
 namespace terrace {
 
@@ -41,7 +42,7 @@ void SemiGlobalMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right, int
   disparity.create(left.size());
 
   const int num_strips = (left.rows + settings_.rows_per_strip - 1) / settings_.rows_per_strip;
-  tbb::parallel_for(0, num_strips, [&](int i) {
+  ParallelFor(num_strips, [&](int i) {
     Scratch::OfOneThread& mine = scratch_->local();
     Strip strip;
     strip.top = i * settings_.rows_per_strip;
