@@ -2,43 +2,47 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
+#include <Eigen/Geometry>
 
 #include "core/camera.h"
+#include "datasets/ground_truth.h"
+#include "evaluation/disparity_truth.h"
 #include "stereo/stereo_frame.h"
 
 namespace terrace {
-
-/// What is known about a pixel of the left image.
-enum Visibility : std::uint8_t {
-  kNoTruth = 0,
-  kHidden = 128,   ///< its disparity is known, but the right camera does not see it
-  kVisible = 255,  ///< seen by both
-};
-
-/// One flat piece of the scene in a rendered picture.
-struct TruePatch {
-  cv::Mat1b mask;  ///< well inside the patch
-};
 
 /// A rectified pair with true disparities.
 struct TruthPair {
   std::string name;
   StereoFrame frame;
   int max_disparity_px = 64;
-  cv::Mat1f disparity_px;          ///< NaN where nothing is known
-  cv::Mat1b visibility;            ///< Visibility
-  StereoCamera camera;             ///< of rendered pairs
-  std::vector<TruePatch> patches;  ///< steps within 2.5 m, of rendered pairs
+  RenderedTruth truth;                                             ///< without labels when it is not rendered
+  Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();  ///< of rendered pairs
+};
+
+struct TruthSet {
+  std::string name;
+  std::vector<TruthPair> pairs;
+  TrueScene scene;      ///< of rendered sets, else empty
+  StereoCamera camera;  ///< of rendered sets
+
+  bool rendered() const { return !scene.polygons.empty(); }
 };
 
 /// `data` is the folder that TERRACE_DATA names.
-std::vector<TruthPair> ReadMiddleburyV3(const std::filesystem::path& data);
-std::vector<TruthPair> ReadMiddlebury2001To2003(const std::filesystem::path& data);
-/// Every frame of the rendered sequence that has a depth image, every `stride`-th of them.
-std::vector<TruthPair> ReadRendered(const std::filesystem::path& sequence, int stride);
+TruthSet ReadMiddleburyV3(const std::filesystem::path& data);
+TruthSet ReadMiddlebury2001To2003(const std::filesystem::path& data);
+
+/// Every `stride`-th frame of a rendered sequence that has a depth image. What is nearer than the search of
+/// 128 px goes is blindness, not error: it counts nowhere.
+TruthSet ReadRendered(const std::string& name, const std::filesystem::path& sequence, int stride);
+
+/// A scene of the synthetic world, rendered into a temporary folder that is gone afterwards.
+/// @param rate_hz  low: few frames from all over the walk
+TruthSet RenderScene(const std::string& scene, double gain, double rate_hz, int max_frames);
 
 }  // namespace terrace
