@@ -636,7 +636,11 @@ std::optional<FoundStaircase> FlightSearch::Complete(Flight flight, bool known) 
   const double seen = static_cast<double>(distinct.size()) / (found.num_risers + found.num_treads);
   const bool both_ends = found.foot_surface && found.head_surface;
   if (width < config_.min_width_m || levels.size() < 2) return std::nullopt;
-  if (found.members.empty() || static_cast<int>(distinct.size()) < (known ? 2 : 3)) return std::nullopt;
+  // Floor and landing in their places are evidence as well. Direction, rise, run and place of a flight can be
+  // chosen so that almost any three surfaces obey.
+  const int num_seen =
+      static_cast<int>(distinct.size()) + (found.foot_surface ? 1 : 0) + (found.head_surface ? 1 : 0);
+  if (found.members.empty() || distinct.size() < 2 || num_seen < (known ? 3 : 4)) return std::nullopt;
   if (seen < (known ? 0.3 : 0.45)) return std::nullopt;
   // Two boxes make two risers as well: then floor, landing and all that lies between must be there.
   if (found.num_risers == 2 && !(both_ends && distinct.size() >= 3)) return std::nullopt;
@@ -663,10 +667,7 @@ std::optional<FoundStaircase> FlightSearch::Complete(Flight flight, bool known) 
   const double spread_a = std::sqrt((sum_a2 + 4.0 * prior2) / (num_a + 1));
   found.rise_sigma_m = spread_z / span;
   found.run_sigma_m = spread_a / span;
-  // Floor and landing in their places are evidence as well.
-  const double evidence = static_cast<double>(distinct.size()) + (found.foot_surface ? 1.0 : 0.0) +
-                          (found.head_surface ? 1.0 : 0.0);
-  const double enough = 1.0 - std::exp(-0.5 * (evidence - 1.0));
+  const double enough = 1.0 - std::exp(-0.5 * (num_seen - 1.0));
   const double good = std::exp(-0.25 * std::pow(spread_z / config_.height_tolerance_m, 2));
   found.confidence = std::clamp(enough * good * (0.6 + 0.4 * seen), 0.0, 1.0);
   if (found.confidence < (known ? 0.6 : 1.0) * config_.min_confidence) return std::nullopt;

@@ -213,6 +213,18 @@ TEST(TerrainLabelerTest, FindsNoStairsInKerbBoxesAndRamp) {
   EXPECT_TRUE(map->staircases.empty());
 }
 
+TEST(TerrainLabelerTest, TakesThreeSurfacesThatHappenToStandInARowForNoStairs) {
+  // Clutter beside the way: a rise, a run and a direction can always be chosen so that three faces obey.
+  LabelScene scene;
+  scene.AddLevel(kWalkway, {0, 0, 0}, 4, 2);
+  for (int k = 0; k < 3; ++k) {
+    const double x = 3.5 + 0.23 * k, bottom = 0.5 + 0.22 * k;
+    scene.AddFace(kObstacle, {x, 0.4, bottom}, {x, -0.4, bottom}, 0.22);
+  }
+  TerrainLabeler labeler = MakeLabeler();
+  EXPECT_TRUE(LabelOften(labeler, scene.Update(), StandingAt(0, 0))->staircases.empty());
+}
+
 TEST(TerrainLabelerTest, FindsATwoStepFlightToAPlatformButNotTwoStackedBoxes) {
   LabelScene platform;
   platform.AddLevel(kWalkway, {2, 0, 0}, 4, 3);
