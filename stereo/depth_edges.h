@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+
 #include <opencv2/core/mat.hpp>
 
 namespace terrace {
@@ -14,11 +16,23 @@ struct DepthEdgeSettings {
       10.0f;  ///< mean grey level difference that lets an unknown pixel take a neighbour's
 };
 
-/// Puts depth edges where the images have them: a pixel near one, or an unknown one, takes that of its
-/// neighbours' disparities at which a small window of the two images agrees best. What the nearer surface
-/// hides in the right image takes nothing. Then, of two pixels that claim the same place of the right image,
-/// the one that agrees worse becomes unknown.
-void SharpenDepthEdges(const cv::Mat1b& left, const cv::Mat1b& right, const DepthEdgeSettings& settings,
-                       cv::Mat1f& disparity);
+/// Puts depth edges where the images have them.
+class DepthEdgeSharpener {
+ public:
+  explicit DepthEdgeSharpener(const DepthEdgeSettings& settings);
+  ~DepthEdgeSharpener();
+
+  /// A pixel near an edge, or an unknown one, takes that of its neighbours' disparities at which a small
+  /// window of the two images agrees best. Then, of two surfaces that claim the same place of the right
+  /// image, the one that agrees worse becomes unknown, so that what the nearer one hides gets nothing. Last,
+  /// unknown pixels take a neighbour's disparity where the images agree and nobody claims the place it leads
+  /// to.
+  void Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity);
+
+ private:
+  class Scratch;
+  DepthEdgeSettings settings_;
+  std::unique_ptr<Scratch> scratch_;
+};
 
 }  // namespace terrace

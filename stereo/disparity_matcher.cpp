@@ -61,6 +61,7 @@ class DisparityMatcher::Impl {
       : config_(config),
         halved_(config.tier == "fast"),
         matcher_(MatchingSettings(config)),
+        edges_({.rounds = halved_ ? 1 : 2}),
         refiner_({.iterations = halved_ ? 1 : 2}) {}
 
   DisparityImage Match(const StereoFrame& frame) {
@@ -69,7 +70,7 @@ class DisparityMatcher::Impl {
       MatchHalved(frame, result.disparity_px);
     else
       MatchFull(frame, result.disparity_px);
-    SharpenDepthEdges(frame.left, frame.right, {.rounds = halved_ ? 1 : 2}, result.disparity_px);
+    edges_.Sharpen(frame.left, frame.right, result.disparity_px);
     refiner_.Refine(frame.left, frame.right, result.disparity_px, result.sigma_px);
     return result;
   }
@@ -87,7 +88,6 @@ class DisparityMatcher::Impl {
     const int range = (config_.max_disparity_px / 2 + kRangeStep - 1) / kRangeStep * kRangeStep;
     matcher_.Match(half_left_, half_right_, range, half_disparity_);
     RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
-    SharpenDepthEdges(half_left_, half_right_, {.rounds = 1}, half_disparity_);
     half_refiner_.Refine(half_left_, half_right_, half_disparity_, half_sigma_);
     disparity.create(frame.left.size());
     DoubleDisparity(half_disparity_, disparity);
@@ -98,6 +98,7 @@ class DisparityMatcher::Impl {
   DisparityConfig config_;
   bool halved_;
   SemiGlobalMatcher matcher_;
+  DepthEdgeSharpener edges_;
   Refiner refiner_;
   Refiner half_refiner_{{.iterations = 2}};
   cv::Mat1b half_left_, half_right_;

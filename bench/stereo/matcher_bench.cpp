@@ -60,7 +60,8 @@ BENCHMARK(Speckles)->Unit(benchmark::kMillisecond);
 void DepthEdges(benchmark::State& state) {
   const StereoFrame& pair = Pair(640, 480);
   cv::Mat1f disparity = Disparity();
-  for (auto _ : state) SharpenDepthEdges(pair.left, pair.right, {.rounds = 1}, disparity);
+  DepthEdgeSharpener edges({.rounds = 1});
+  for (auto _ : state) edges.Sharpen(pair.left, pair.right, disparity);
 }
 BENCHMARK(DepthEdges)->Unit(benchmark::kMillisecond);
 

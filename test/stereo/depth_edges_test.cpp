@@ -3,9 +3,12 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "test/stereo/every_target.h"
 #include "test/stereo/textured_pair.h"
 
 namespace terrace {
@@ -32,7 +35,7 @@ TEST(DepthEdgesTest, MovesAnEdgeThatIsThreePixelsOffToItsPlace) {
   cv::Mat1f disparity(kHeight, kWidth);
   for (int v = 0; v < kHeight; ++v)
     for (int u = 0; u < kWidth; ++u) disparity(v, u) = u >= kEdge + 3 ? kNear : kFar;
-  SharpenDepthEdges(frame.left, frame.right, {}, disparity);
+  DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, disparity);
   int right_near = 0, invented = 0;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = kEdge; u < kEdge + 3; ++u) right_near += disparity(v, u) == kNear;
@@ -49,7 +52,7 @@ TEST(DepthEdgesTest, GivesAnUnknownPixelItsNeighboursDisparityOnlyWhereTheImages
     for (int u = 70; u < 80; ++u) frame.right(v, u - 5) = 255 - frame.right(v, u - 5);  // a reflection
   cv::Mat1f disparity(kHeight, kWidth, kFar);
   disparity(5, 50) = unknown, disparity(15, 75) = unknown;
-  SharpenDepthEdges(frame.left, frame.right, {}, disparity);
+  DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, disparity);
   EXPECT_EQ(disparity(5, 50), kFar);
   EXPECT_TRUE(std::isnan(disparity(15, 75)));
 }
@@ -61,8 +64,34 @@ TEST(DepthEdgesTest, LeavesASlantedSurfaceAlone) {
   for (int v = 0; v < kHeight; ++v)
     for (int u = 0; u < kWidth; ++u) disparity(v, u) = static_cast<float>(plane.At(u, v));
   expected = disparity.clone();
-  SharpenDepthEdges(frame.left, frame.right, {}, disparity);
+  DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, disparity);
   EXPECT_TRUE(std::equal(disparity.begin(), disparity.end(), expected.begin()));
+}
+
+TEST(DepthEdgesTest, GivesTheSameBitsOnEveryTarget) {
+  const StereoFrame frame = TwoSurfaces();
+  // Two surfaces with holes and wrong values everywhere.
+  std::mt19937 random(1);
+  cv::Mat1f disparity(kHeight, kWidth);
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u) {
+      const float sound = u >= kEdge - 2 ? kNear : kFar;
+      const unsigned die = random() % 8;
+      disparity(v, u) = die == 0   ? std::numeric_limits<float>::quiet_NaN()
+                        : die == 1 ? static_cast<float>(random() % 160) / 10.0f
+                                   : sound;
+    }
+  std::vector<cv::Mat1f> results;
+  OnEveryTarget([&] {
+    results.push_back(disparity.clone());
+    DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, results.back());
+  });
+  for (const cv::Mat1f& result : results) {
+    int different = 0;
+    for (int i = 0; i < static_cast<int>(result.total()); ++i)
+      different += std::isnan(result(i)) ? !std::isnan(results[0](i)) : result(i) != results[0](i);
+    EXPECT_EQ(different, 0);
+  }
 }
 
 }  // namespace
