@@ -120,6 +120,33 @@ Interval Extent(const PlanRing& ring, const Eigen::Vector2d& axis) {
   return extent;
 }
 
+Interval MiddleExtent(const PlanRing& ring, const Eigen::Vector2d& axis, const Interval& across) {
+  constexpr int kNumLines = 15;
+  const Eigen::Vector2d left(-axis.y(), axis.x());
+  std::vector<double> lows, highs;
+  for (int line = 0; line < kNumLines; ++line) {
+    const double at = across.low + across.length() * (line + 0.5) / kNumLines;
+    Interval hit{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      const double a = left.dot(ring[j]) - at, b = left.dot(ring[i]) - at;
+      if ((a < 0.0) == (b < 0.0)) continue;
+      const double along = axis.dot(ring[j] + (ring[i] - ring[j]) * (a / (a - b)));
+      hit.low = std::min(hit.low, along);
+      hit.high = std::max(hit.high, along);
+    }
+    if (hit.low > hit.high) continue;
+    lows.push_back(hit.low);
+    highs.push_back(hit.high);
+  }
+  if (lows.empty()) return Extent(ring, axis);
+  const auto middle = [](std::vector<double>& ends) {
+    const auto nth = ends.begin() + static_cast<std::ptrdiff_t>(ends.size() / 2);
+    std::nth_element(ends.begin(), nth, ends.end());
+    return *nth;
+  };
+  return {middle(lows), middle(highs)};
+}
+
 PlanRectangle SmallestRectangle(const PlanRing& ring) {
   PlanRectangle smallest;
   double smallest_area = std::numeric_limits<double>::infinity();

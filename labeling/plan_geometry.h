@@ -49,5 +49,8 @@ struct Interval {
   }
 };
 Interval Extent(const PlanRing& ring, const Eigen::Vector2d& axis);
+/// The same as most of the ring has it: the middle one of the ends on lines along the axis, spread over
+/// `across`, an interval to the left of it. A tongue of the outline does not move it. Unit axis.
+Interval MiddleExtent(const PlanRing& ring, const Eigen::Vector2d& axis, const Interval& across);
 
 }  // namespace terrace

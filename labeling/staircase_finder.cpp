@@ -88,7 +88,7 @@ class FlightSearch {
                  std::vector<Fit>* fits) const;
   void Refine(Flight& flight) const;
   std::optional<Flight> TurnToMembers(const Flight& flight) const;
-  Interval AlongExtent(const Surface& surface, const FlightModel& frame) const;
+  Interval AlongExtent(const Surface& surface, const FlightModel& frame, const Interval& lateral) const;
   Interval LateralExtent(const Surface& surface, const FlightModel& frame) const;
   double HeightNear(const Surface& surface, const FlightModel& frame, double along, double lateral) const;
 
@@ -220,8 +220,10 @@ std::vector<FlightModel> FlightSearch::SpiralFrames(const std::vector<Candidate>
   return frames;
 }
 
-Interval FlightSearch::AlongExtent(const Surface& surface, const FlightModel& frame) const {
-  if (!frame.spiral) return Extent(surface.plan.front(), frame.direction);
+/// @param lateral  of the flight, or of the surface itself: what lies beside it does not count
+Interval FlightSearch::AlongExtent(const Surface& surface, const FlightModel& frame,
+                                   const Interval& lateral) const {
+  if (!frame.spiral) return MiddleExtent(surface.plan.front(), frame.direction, lateral);
   // Angles relative to the middle of the surface, so that none jumps by a full turn.
   const Eigen::Vector2d middle = surface.rectangle.center - frame.origin;
   const double middle_angle = std::atan2(middle.y(), middle.x());
@@ -277,9 +279,9 @@ std::vector<Element> FlightSearch::Measure(const std::vector<Candidate>& candida
     Element e;
     e.surface = c.surface;
     e.riser = c.riser;
-    e.along = AlongExtent(s, frame);
-    if (c.riser) e.along = {e.along.middle(), e.along.middle()};
     e.lateral = LateralExtent(s, frame);
+    e.along = AlongExtent(s, frame, e.lateral);
+    if (c.riser) e.along = {e.along.middle(), e.along.middle()};
     e.heights = c.riser ? s.face_heights : s.heights();
     e.z = c.riser ? e.heights.middle() : s.HeightAt(s.rectangle.center);
     e.area_m2 = s.area_m2;
@@ -569,9 +571,12 @@ std::optional<FoundStaircase> FlightSearch::Complete(Flight flight, bool known) 
   for (int i = 0; i < static_cast<int>(surfaces_.size()); ++i) {
     const Surface& s = *surfaces_[i];
     if (s.lean != Lean::kSupport || s.slope_rad > Radians(config_.max_tread_slope_deg)) continue;
-    if (LateralExtent(s, flight.frame).Overlap(stride.lateral) < 0.4 * stride.lateral.length()) continue;
+    const Interval lateral = LateralExtent(s, flight.frame);
+    if (lateral.Overlap(stride.lateral) < 0.4 * stride.lateral.length()) continue;
     // Where it meets the flight, for it may lean: the end of a floor, the beginning of a landing.
-    Interval along = AlongExtent(s, flight.frame);
+    Interval along =
+        AlongExtent(s, flight.frame,
+                    {std::max(lateral.low, stride.lateral.low), std::min(lateral.high, stride.lateral.high)});
     const double steps = s.HeightAt(s.rectangle.center) - stride.z0;
     const double hint = stride.along0 + (steps / stride.rise - 0.5) * stride.run;
     const double shift = Unwrapped(along.middle(), hint, period) - along.middle();
