@@ -115,13 +115,17 @@ class Node : public octomap::OcTreeDataNode<int> {
  public:
   Node() : octomap::OcTreeDataNode<int>(kNothing) {}
 
+  bool HasArrayOfChildren() const { return children != nullptr; }
+
   /// OctoMap keeps the array of children when the last child is deleted, and expects it gone with the node.
-  void ReleaseEmptyChildren() {
+  /// True when there was one to be released.
+  bool ReleaseEmptyChildren() {
     if (children == nullptr ||
         std::any_of(children, children + 8, [](auto* child) { return child != nullptr; }))
-      return;
+      return false;
     delete[] children;
     children = nullptr;
+    return true;
   }
 };
 
@@ -140,6 +144,22 @@ class Tree : public octomap::OcTreeBaseImpl<Node, octomap::AbstractOcTree> {
     }
     return root;
   }
+  Node* GetOrMakeChild(Node* node, unsigned child) {
+    if (nodeChildExists(node, child)) return getNodeChild(node, child);
+    if (!node->HasArrayOfChildren()) ++num_arrays_;
+    return createNodeChild(node, child);
+  }
+  void ReleaseEmptyChildren(Node* node) {
+    if (node->ReleaseEmptyChildren()) --num_arrays_;
+  }
+  /// OctoMap's own memoryUsage() walks the whole tree.
+  std::int64_t memory_bytes() const {
+    return static_cast<std::int64_t>(size() * sizeof(Node)) +
+           num_arrays_ * static_cast<std::int64_t>(8 * sizeof(Node*));
+  }
+
+ private:
+  std::int64_t num_arrays_ = 0;
 };
 
 int ChildIndex(const octomap::OcTreeKey& key, unsigned child_depth) {
@@ -272,8 +292,7 @@ class TerrainOctree::Impl {
   std::int64_t num_occupied_leaves() const { return leaves_.num_used(); }
 
   std::int64_t memory_bytes() const {
-    // OctoMap counts nodes and the arrays of their children.
-    return static_cast<std::int64_t>(tree_.memoryUsage()) + leaves_.memory_bytes() + cells_.memory_bytes() +
+    return tree_.memory_bytes() + leaves_.memory_bytes() + cells_.memory_bytes() +
            frame_leaves_.memory_bytes();
   }
 
@@ -354,8 +373,7 @@ class TerrainOctree::Impl {
       std::size_t num_coarse = 0;
       for (unsigned child_depth = cell_depth_ + 1; child_depth <= depth; ++child_depth) {
         const unsigned child = static_cast<unsigned>(ChildIndex(seen.key, child_depth));
-        node = tree_.nodeChildExists(node, child) ? tree_.getNodeChild(node, child)
-                                                  : tree_.createNodeChild(node, child);
+        node = tree_.GetOrMakeChild(node, child);
         if (child_depth == depth || node->getValue() == kNothing) continue;
         coarse[num_coarse++] = node;
         leaves_[node->getValue()].hit_frame = frame_id;
@@ -479,7 +497,7 @@ class TerrainOctree::Impl {
       if (below->getValue() == kNothing && (depth + 1 == kTreeDepth || !tree_.nodeHasChildren(below)))
         tree_.deleteNodeChild(node, child);
     }
-    node->ReleaseEmptyChildren();
+    tree_.ReleaseEmptyChildren(node);
   }
 
   void CheckLeaf(Node* node, unsigned depth, const Eigen::Vector3f& centre, Cell* cell) {
@@ -562,8 +580,7 @@ class TerrainOctree::Impl {
     Node* node = tree_.MakeRoot();
     for (unsigned depth = 1; depth <= cell_depth_; ++depth) {
       const unsigned child = static_cast<unsigned>(ChildIndex(key, depth));
-      node = tree_.nodeChildExists(node, child) ? tree_.getNodeChild(node, child)
-                                                : tree_.createNodeChild(node, child);
+      node = tree_.GetOrMakeChild(node, child);
     }
     if (node->getValue() == kNothing) node->setValue(cells_.Take());
     last_cell_key_ = cell_key;
