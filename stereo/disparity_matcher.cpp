@@ -71,7 +71,7 @@ class DisparityMatcher::Impl {
     else
       MatchFull(frame, result.disparity_px);
     edges_.Sharpen(frame.left, frame.right, result.disparity_px);
-    refiner_.Refine(frame.left, frame.right, result.disparity_px, result.sigma_px);
+    refiner_.Refine(frame.left, frame.right, result.disparity_px, &result.sigma_px);
     return result;
   }
 
@@ -88,7 +88,7 @@ class DisparityMatcher::Impl {
     const int range = (config_.max_disparity_px / 2 + kRangeStep - 1) / kRangeStep * kRangeStep;
     matcher_.Match(half_left_, half_right_, range, half_disparity_);
     RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
-    half_refiner_.Refine(half_left_, half_right_, half_disparity_, half_sigma_);
+    half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr);
     disparity.create(frame.left.size());
     DoubleDisparity(half_disparity_, disparity);
   }
@@ -102,7 +102,7 @@ class DisparityMatcher::Impl {
   Refiner refiner_;
   Refiner half_refiner_{{.iterations = 2}};
   cv::Mat1b half_left_, half_right_;
-  cv::Mat1f half_disparity_, half_sigma_;
+  cv::Mat1f half_disparity_;
 };
 
 DisparityMatcher::DisparityMatcher(const DisparityConfig& config) {

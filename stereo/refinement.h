@@ -7,6 +7,8 @@
 
 namespace terrace {
 
+struct RefineLimits;
+
 /// Settings of the intensity-based sub-pixel step.
 struct RefinementSettings {
   int iterations = 2;
@@ -25,12 +27,15 @@ class Refiner {
   ~Refiner();
 
   /// @param disparity  in: right to about a pixel, NaN where unknown; out: refined.
-  /// @param sigma      out: standard deviation [px] from texture and residual, NaN where unknown.
-  void Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f& sigma);
+  /// @param sigma      out: standard deviation [px] from texture and residual, NaN where unknown. Null: not
+  /// wanted.
+  void Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma);
 
  private:
   class StripRows;
   class Scratch;
+  void RefineStrip(int top, int bottom, const RefineLimits& limits, cv::Mat1f& disparity, cv::Mat1f* sigma);
+
   RefinementSettings settings_;
   std::unique_ptr<Scratch> scratch_;
 };

@@ -69,7 +69,7 @@ void Refinement(benchmark::State& state) {
   const StereoFrame& pair = Pair(640, 480);
   cv::Mat1f disparity = Disparity(), sigma;
   Refiner refiner({.iterations = 1});
-  for (auto _ : state) refiner.Refine(pair.left, pair.right, disparity, sigma);
+  for (auto _ : state) refiner.Refine(pair.left, pair.right, disparity, &sigma);
 }
 BENCHMARK(Refinement)->Unit(benchmark::kMillisecond);
 

@@ -40,7 +40,7 @@ TEST(RefinementTest, FindsAPlaneFromRoughDisparitiesDespiteGainAndOffset) {
   const Photometry light = {.contrast = 30, .mean = 110, .gain_right = 0.9, .offset_right = 12, .noise = 1.0};
   const StereoFrame frame = RenderPlane(140, 60, plane, light);
   cv::Mat1f disparity = RoughDisparity(140, 60, plane, 0.5), sigma;
-  Refiner({}).Refine(frame.left, frame.right, disparity, sigma);
+  Refiner({}).Refine(frame.left, frame.right, disparity, &sigma);
   double sum = 0.0, squares = 0.0;
   int count = 0;
   for (int v = 3; v < 57; ++v)
@@ -63,7 +63,7 @@ TEST(RefinementTest, GivesTheSameBitsOnEveryTarget) {
   std::vector<cv::Mat1f> disparities, sigmas;
   OnEveryTarget([&] {
     cv::Mat1f disparity = rough.clone(), sigma;
-    Refiner({}).Refine(frame.left, frame.right, disparity, sigma);
+    Refiner({}).Refine(frame.left, frame.right, disparity, &sigma);
     disparities.push_back(disparity), sigmas.push_back(sigma);
   });
   for (std::size_t i = 1; i < disparities.size(); ++i) {
@@ -84,7 +84,7 @@ TEST(RefinementTest, DoesNotMixTwoSurfaces) {
       if (u - 12 < 108) frame.right(v, u - 12) = near_frame.right(v, u - 12);
       disparity(v, u) = 12.3f;
     }
-  Refiner({}).Refine(frame.left, frame.right, disparity, sigma);
+  Refiner({}).Refine(frame.left, frame.right, disparity, &sigma);
   std::vector<float> found;
   for (int v = 5; v < 35; ++v) found.push_back(disparity(v, 61));
   std::nth_element(found.begin(), found.begin() + 15, found.end());
