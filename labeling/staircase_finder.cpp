@@ -22,6 +22,7 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() 
 struct Candidate {
   int surface = 0;
   bool riser = false;
+  bool spiral_only = false;  ///< too deep for a straight tread, but a wedge is deeper at its outer end
 };
 
 /// A candidate seen along a flight: every length is measured up the stairs from some origin (of a spiral:
@@ -114,8 +115,9 @@ std::vector<Candidate> FlightSearch::Candidates() const {
       if (height >= kMinFaceHeight && height <= max_face) candidates.push_back({i, true});
     } else if (s.lean == Lean::kSupport) {
       const double depth = s.rectangle.depth_m;
-      if (s.slope_rad <= Radians(config_.max_tread_slope_deg) && depth >= kMinDepth && depth <= max_depth)
-        candidates.push_back({i, false});
+      if (s.slope_rad <= Radians(config_.max_tread_slope_deg) && depth >= kMinDepth &&
+          depth <= 2.0 * max_depth)
+        candidates.push_back({i, false, depth > max_depth});
     }
   }
   return candidates;
@@ -131,7 +133,7 @@ std::vector<FlightModel> FlightSearch::StraightFrames(const std::vector<Candidat
     const Surface& s = *surfaces_[c.surface];
     if (c.riser) {
       votes.push_back({-s.front(), s.area_m2});
-    } else if (s.rectangle.length_m > 1.5 * s.rectangle.depth_m) {
+    } else if (!c.spiral_only && s.rectangle.length_m > 1.5 * s.rectangle.depth_m) {
       votes.push_back({s.rectangle.short_axis(), s.area_m2});
       votes.push_back({-s.rectangle.short_axis(), s.area_m2});
     }
@@ -268,6 +270,7 @@ std::vector<Element> FlightSearch::Measure(const std::vector<Candidate>& candida
   const double min_cos_tread = std::cos(Radians(2.0 * config_.max_turn_deg));
   std::vector<Element> elements;
   for (const Candidate& c : candidates) {
+    if (c.spiral_only && !frame.spiral) continue;
     const Surface& s = *surfaces_[c.surface];
     const Eigen::Vector2d arm = (s.rectangle.center - frame.origin).normalized();
     const Eigen::Vector2d up =

@@ -198,6 +198,18 @@ TEST(TerrainLabelerTest, FindsSpiralsThatTurnEitherWay) {
   }
 }
 
+TEST(TerrainLabelerTest, FindsTreadsOfAWideSpiralAlthoughTheirOuterEndsAreDeep) {
+  LabelScene scene;
+  scene.AddLevel(kWalkway, {1.0, -1.5, 0}, 3, 3);
+  scene.AddSpiral({0, 0, 0}, 0.3, 1.7, 8, 0.16, 0.43);
+  TerrainLabeler labeler = MakeLabeler();
+  const TerrainMapPtr map =
+      LabelOften(labeler, scene.Update({0.003, 0.01, 0.01}), StandingAt(1.0, -2, 0, kPi / 2));
+  EXPECT_EQ(WrongLabels(scene, *map), "");
+  ASSERT_EQ(map->staircases.size(), 1u);
+  EXPECT_EQ(map->staircases[0].num_risers, 8);
+}
+
 TEST(TerrainLabelerTest, FindsNoStairsInKerbBoxesAndRamp) {
   LabelScene scene;
   scene.AddLevel(kWalkway, {2, 0, 0}, 6, 3);
