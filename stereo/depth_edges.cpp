@@ -142,20 +142,24 @@ void FindCandidates(const GivenRows& given, int width, int reach, float min_jump
   for (int u = 0; u < width; u += lanes) {
     const auto own = hn::LoadU(df, given.row + u);
     const auto column = hn::ConvertTo(df, hn::Iota(di, u));
-    auto any = hn::Lt(v_jump, v_jump);  // none yet
-    for (const float* other :
-         {given.row + u - reach, given.row + u + reach, given.above + u, given.below + u}) {
-      const auto d = hn::LoadU(df, other);
+    // Comparisons with NaN are false.
+    const auto may_take = [&](const float* other) HWY_ATTR {
+      const auto d = hn::LoadU(df, other + u);
       const auto x = hn::Sub(column, d);
-      // Comparisons with NaN are false.
-      const auto inside = hn::And(hn::Ge(x, hn::Zero(df)), hn::Le(x, last));
       const auto same = hn::Le(hn::Abs(hn::Sub(d, own)), v_jump);
-      const auto candidate = hn::AndNot(same, inside);
-      if (hn::AllFalse(df, candidate)) continue;
-      any = hn::Or(any, candidate);
-      ForEachLane(df, candidate, [&](int i) { found.candidates.push_back({u + i, other[i]}); });
-    }
-    if (!hn::AllFalse(df, any)) ForEachLane(df, any, [&](int i) { found.pixels.push_back(u + i); });
+      return hn::AndNot(same, hn::And(hn::Ge(x, hn::Zero(df)), hn::Le(x, last)));
+    };
+    const float* const left = given.row - reach;
+    const float* const right = given.row + reach;
+    const auto from_left = may_take(left), from_right = may_take(right);
+    const auto from_above = may_take(given.above), from_below = may_take(given.below);
+    const auto any = hn::Or(hn::Or(from_left, from_right), hn::Or(from_above, from_below));
+    if (hn::AllFalse(df, any)) continue;
+    ForEachLane(df, any, [&](int i) { found.pixels.push_back(u + i); });
+    ForEachLane(df, from_left, [&](int i) { found.candidates.push_back({u + i, left[u + i]}); });
+    ForEachLane(df, from_right, [&](int i) { found.candidates.push_back({u + i, right[u + i]}); });
+    ForEachLane(df, from_above, [&](int i) { found.candidates.push_back({u + i, given.above[u + i]}); });
+    ForEachLane(df, from_below, [&](int i) { found.candidates.push_back({u + i, given.below[u + i]}); });
   }
 }
 

@@ -24,9 +24,9 @@
 #define TERRACE_STEREO_REFINEMENT_ONCE_
 namespace terrace {
 
-constexpr int kReach = 2;        // of the 5x5 window
-constexpr int kImageBorder = 8;  // pixels repeated around the images
-constexpr int kRowMargin = 32;   // floats before and behind each row, which vectors may touch
+constexpr int kReach = 2;         // of the 5x5 window
+constexpr int kImageBorder = 64;  // pixels repeated left and right of the images, which vectors may touch
+constexpr int kRowMargin = 32;    // floats before and behind each row, which vectors may touch
 
 /// Of rounding two images to whole grey levels.
 constexpr float kRoundingVariance = 0.17f;
@@ -175,6 +175,26 @@ HWY_INLINE VecF Smooth(const RefinementRow* rows, int u, float max_jump, VecF& a
   return hn::IfThenElse(hn::Eq(d, d), hn::Mul(total, Reciprocal(n)), d);
 }
 
+/// The four bytes from `row + offset` on, for each lane. Where neighbours look for neighbours, one load has
+/// them all.
+HWY_INLINE hn::Vec<TagI> FourPixels(const std::uint8_t* row, hn::Vec<TagI> offset) {
+  const TagI di;
+  const hn::RebindToUnsigned<TagI> du;
+  const int lanes = static_cast<int>(hn::Lanes(di));
+  const int begin = hn::GetLane(offset) - lanes;
+  const auto place = hn::Sub(offset, hn::Set(di, begin));
+  const auto together = hn::And(hn::Gt(place, hn::Set(di, -1)), hn::Lt(place, hn::Set(di, 4 * (lanes - 1))));
+  if (!hn::AllTrue(di, together))
+    return hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(row), offset);
+  const auto words = hn::LoadU(du, reinterpret_cast<const std::uint32_t*>(row + begin));
+  const auto word = hn::ShiftRight<2>(place);
+  const auto bits = hn::BitCast(du, hn::ShiftLeft<3>(hn::And(place, hn::Set(di, 3))));
+  const auto low = hn::TableLookupLanes(words, hn::IndicesFromVec(du, word));
+  const auto high = hn::TableLookupLanes(words, hn::IndicesFromVec(du, hn::Add(word, hn::Set(di, 1))));
+  const auto rest = hn::Shl(hn::ShiftLeft<1>(high), hn::Sub(hn::Set(du, 31), bits));
+  return hn::BitCast(di, hn::Or(hn::Shr(low, bits), rest));
+}
+
 /// Residual and gradient of the middle one of five rows. The right image is sampled by the cubic of Catmull
 /// and Rom, whose slope at whole pixels is the central difference that is taken in the left image.
 void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const RefinementRow* rows, int width,
@@ -187,6 +207,12 @@ void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const R
   const auto last = hn::Set(df, static_cast<float>(width - 1));
   const auto mask_byte = hn::Set(di, 255);
   for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(df))) {
+    const auto own = hn::LoadU(df, rows[kReach].given + u);
+    if (hn::AllFalse(df, hn::Eq(own, own))) {  // all unknown
+      for (float* array : {out.disparity, out.valid, out.gradient, out.residual, out.at_edge})
+        hn::StoreU(zero, df, array + u);
+      continue;
+    }
     VecF at_edge;
     const auto given = Smooth(rows, u, limits.max_jump, at_edge);
     const auto x_given = hn::Sub(hn::ConvertTo(df, hn::Iota(di, u)), given);
@@ -196,7 +222,7 @@ void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const R
     const auto x = hn::IfThenElseZero(valid, x_given);
     const auto whole = hn::ConvertTo(di, x);  // x is not negative
     const auto f = hn::Sub(x, hn::ConvertTo(df, whole));
-    const auto four = hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(right - 1), whole);
+    const auto four = FourPixels(right - 1, whole);
     const auto p0 = hn::ConvertTo(df, hn::And(four, mask_byte));
     const auto p1 = hn::ConvertTo(df, hn::And(hn::ShiftRight<8>(four), mask_byte));
     const auto p2 = hn::ConvertTo(df, hn::And(hn::ShiftRight<16>(four), mask_byte));
@@ -262,6 +288,12 @@ void RefineRow(const RefinementRow* rows, int width, const RefineLimits& limits,
   const ResidualRow own_row = rows[kReach].residuals;
   const SumRow sums[5] = {rows[0].sums, rows[1].sums, rows[2].sums, rows[3].sums, rows[4].sums};
   for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(df))) {
+    const auto known = hn::Gt(hn::LoadU(df, own_row.valid + u), zero);
+    if (hn::AllFalse(df, known)) {
+      hn::StoreU(v_unknown, df, disparity + u);
+      if (sigma) hn::StoreU(v_unknown, df, sigma + u);
+      continue;
+    }
     const auto down = [&](float* const SumRow::*what) HWY_ATTR {
       return SumOfFive(hn::LoadU(df, sums[0].*what + u), hn::LoadU(df, sums[1].*what + u),
                        hn::LoadU(df, sums[2].*what + u), hn::LoadU(df, sums[3].*what + u),
@@ -270,7 +302,6 @@ void RefineRow(const RefinementRow* rows, int width, const RefineLimits& limits,
     WindowSums s = {down(&SumRow::n),  down(&SumRow::g),  down(&SumRow::e),
                     down(&SumRow::gg), down(&SumRow::ge), down(&SumRow::ee)};
     const auto d = hn::LoadU(df, own_row.disparity + u);
-    const auto known = hn::Gt(hn::LoadU(df, own_row.valid + u), zero);
     const auto at_edge = hn::And(known, hn::Gt(hn::LoadU(df, own_row.at_edge + u), zero));
     if (!hn::AllFalse(df, at_edge)) {
       const WindowSums own = SumsOfSurface(rows, u, limits.max_jump);
@@ -401,8 +432,8 @@ Refiner::~Refiner() = default;
 
 void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma) {
   const int height = left.rows;
-  cv::copyMakeBorder(left, scratch_->padded_left, 0, 0, kImageBorder, 64, cv::BORDER_REPLICATE);
-  cv::copyMakeBorder(right, scratch_->padded_right, 0, 0, kImageBorder, 64, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(left, scratch_->padded_left, 0, 0, kImageBorder, kImageBorder, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(right, scratch_->padded_right, 0, 0, kImageBorder, kImageBorder, cv::BORDER_REPLICATE);
   if (sigma) sigma->create(left.size());
   const RefineLimits limits = {settings_.max_step_px, settings_.max_jump_px, settings_.given_sigma_px,
                                MeasureGain(left, right, disparity)};

@@ -16,6 +16,14 @@
 
 #include "stereo/vector_minimum-inl.h"
 
+#ifndef TERRACE_STEREO_WINNER_ONCE_
+#define TERRACE_STEREO_WINNER_ONCE_
+namespace terrace {
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr std::uint8_t kSaturated = 255;  // a sum that may stand for anything above
+}  // namespace terrace
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace terrace {
 namespace HWY_NAMESPACE {
@@ -39,7 +47,7 @@ HWY_INLINE std::uint64_t NotAbove(D d, const std::uint8_t* sums, int count, std:
 }
 
 template <class D>
-void FindWinners(D d, const SumsRow& row, const std::uint8_t* limit_of_sum, WinnerChooser::Winner* winners) {
+void FindWinners(D d, const SumsRow& row, const std::uint8_t* limit_of_sum, const WinnersRow& winners) {
   const int n = row.num_disparities;
   const int lanes = static_cast<int>(hn::MaxLanes(d));
   for (int u0 = 0; u0 < row.width; u0 += 16) {
@@ -71,18 +79,54 @@ void FindWinners(D d, const SumsRow& row, const std::uint8_t* limit_of_sum, Winn
           bits &= ~(std::uint64_t{7} >> -first);
         unique = unique && bits == 0;
       }
-      winners[u0 + i] = {static_cast<std::uint8_t>(index), minimum, unique};
+      winners.index[u0 + i] = static_cast<std::uint8_t>(index);
+      winners.sum[u0 + i] = minimum;
+      winners.unique[u0 + i] = unique ? 255 : 0;
+      const bool inner = index > 0 && index + 1 < n;
+      winners.before[u0 + i] = inner ? sums[i * n + index - 1] : minimum;
+      winners.behind[u0 + i] = inner ? sums[i * n + index + 1] : minimum;
     }
   }
 }
 
-void FindWinnersOfRow(const SumsRow& row, const std::uint8_t* limit_of_sum, WinnerChooser::Winner* winners) {
+void FindWinnersOfRow(const SumsRow& row, const std::uint8_t* limit_of_sum, const WinnersRow& winners) {
   if (row.num_disparities % 64 == 0)
     FindWinners(ByteTag<64>(), row, limit_of_sum, winners);
   else if (row.num_disparities % 32 == 0)
     FindWinners(ByteTag<32>(), row, limit_of_sum, winners);
   else
     FindWinners(ByteTag<16>(), row, limit_of_sum, winners);
+}
+
+/// The disparities of the left view's winners that the right view's agree with.
+/// @param right_disparity  of the right view; one more pixel before the first, for claims outside the image
+void DisparitiesOfRow(const SumsRow& row, const WinnersRow& winners, const std::int32_t* right_disparity,
+                      int max_error, float* disparity) {
+  const hn::ScalableTag<float> df;
+  const hn::RebindToSigned<decltype(df)> di;
+  const hn::Rebind<std::int16_t, decltype(df)> d16;
+  const hn::Rebind<std::uint8_t, decltype(df)> d8;
+  const auto half = hn::Set(df, 0.5f), one = hn::Set(df, 1.0f), unknown = hn::Set(df, kUnknown);
+  const auto saturated = hn::Set(di, kSaturated), error = hn::Set(di, max_error + 1);
+  const auto bytes = [&](const std::uint8_t* p) HWY_ATTR { return hn::PromoteTo(di, hn::LoadU(d8, p)); };
+  for (int u = 0; u < row.width; u += static_cast<int>(hn::Lanes(df))) {
+    const auto index = bytes(winners.index + u), sum = bytes(winners.sum + u);
+    const auto first = hn::PromoteTo(di, hn::LoadU(d16, row.first + u));
+    const auto d = hn::Sub(hn::Add(first, hn::Set(di, row.num_disparities - 1)), index);
+    const auto x = hn::Max(hn::Sub(hn::Iota(di, u), d), hn::Set(di, -1));
+    const auto in_right = hn::GatherIndex(di, right_disparity, hn::Min(x, hn::Set(di, row.width - 1)));
+    const auto known =
+        hn::And(hn::And(hn::Ne(bytes(winners.unique + u), hn::Zero(di)), hn::Ne(sum, saturated)),
+                hn::And(hn::Gt(x, hn::Set(di, -1)), hn::Lt(hn::Abs(hn::Sub(in_right, d)), error)));
+    // Where between -0.5 and 0.5 the parabola through the best sum and its neighbours has its lowest point.
+    // Sums run from large disparities to small ones.
+    const auto below = bytes(winners.behind + u), above = bytes(winners.before + u);
+    const auto curvature = hn::Sub(hn::Add(below, above), hn::Add(sum, sum));
+    const auto offset = hn::Div(hn::Mul(half, hn::ConvertTo(df, hn::Sub(below, above))),
+                                hn::Max(hn::ConvertTo(df, curvature), one));
+    const auto exact = hn::Add(hn::ConvertTo(df, d), offset);
+    hn::StoreU(hn::IfThenElse(hn::RebindMask(df, known), exact, unknown), df, disparity + u);
+  }
 }
 
 }  // namespace HWY_NAMESPACE
@@ -92,21 +136,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace terrace {
 HWY_EXPORT(FindWinnersOfRow);
+HWY_EXPORT(DisparitiesOfRow);
 
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 // Before it, all disparities that stay in the right image are neighbours of each other: nothing to choose
 // from.
 constexpr int kFirstChoice = 3;
-constexpr std::int16_t kNobody = -1000;
-constexpr std::uint8_t kSaturated = 255;  // a sum that may stand for anything above
-
-/// Where between -0.5 and 0.5 the parabola through three sums has its lowest point.
-float ParabolaOffset(int below, int best, int above) {
-  const int curvature = below + above - 2 * best;
-  return curvature > 0 ? 0.5f * static_cast<float>(below - above) / static_cast<float>(curvature) : 0.0f;
-}
+constexpr int kNobody = -1000;
+constexpr int kPadding = 64;  // elements behind the rows, which vectors may touch
 
 }  // namespace
 
@@ -117,35 +155,28 @@ WinnerChooser::WinnerChooser(const WinnerRules& rules) : rules_(rules) {
 
 void WinnerChooser::Choose(const SumsRow& row, float* disparity) {
   const int n = row.num_disparities;
-  winners_.resize((row.width + 15) / 16 * 16);
-  HWY_DYNAMIC_DISPATCH(FindWinnersOfRow)(row, limit_of_sum_.data(), winners_.data());
+  const std::size_t padded_width = static_cast<std::size_t>((row.width + 15) / 16 * 16 + kPadding);
+  bytes_.resize(5 * padded_width);
+  const WinnersRow winners = {bytes_.data(), bytes_.data() + padded_width, bytes_.data() + 2 * padded_width,
+                              bytes_.data() + 3 * padded_width, bytes_.data() + 4 * padded_width};
+  HWY_DYNAMIC_DISPATCH(FindWinnersOfRow)(row, limit_of_sum_.data(), winners);
 
   // The right view: of all pixels that claim a pixel of the right image, the one with the least sum has it.
-  right_disparity_.assign(row.width, kNobody);
+  right_disparity_.assign(row.width + 1, kNobody);
   right_sum_.assign(row.width, kSaturated);
+  std::int32_t* right_disparity = right_disparity_.data() + 1;
   for (int u = 0; u < row.width; ++u) {
-    const int d = row.first[u] + n - 1 - winners_[u].index;
-    if (u >= d && winners_[u].sum < right_sum_[u - d]) {
-      right_sum_[u - d] = winners_[u].sum;
-      right_disparity_[u - d] = static_cast<std::int16_t>(d);
+    const int d = row.first[u] + n - 1 - winners.index[u];
+    if (u >= d && winners.sum[u] < right_sum_[u - d]) {
+      right_sum_[u - d] = winners.sum[u];
+      right_disparity[u - d] = d;
     }
   }
-  std::fill(disparity, disparity + std::min(kFirstChoice, row.width), kUnknown);
-  for (int u = kFirstChoice; u < row.width; ++u) {
-    const Winner& w = winners_[u];
-    const int d = row.first[u] + n - 1 - w.index;
-    disparity[u] = kUnknown;
-    if (!w.unique || w.sum == kSaturated || u < d) continue;
-    if (rules_.max_left_right_error >= 0 &&
-        std::abs(right_disparity_[u - d] - d) > rules_.max_left_right_error)
-      continue;
-    float offset = 0.0f;
-    if (w.index > 0 && w.index + 1 < n) {
-      const std::uint8_t* sums = row.sums + static_cast<std::ptrdiff_t>(u) * n + w.index;
-      offset = ParabolaOffset(sums[1], w.sum, sums[-1]);  // sums run from large disparities to small ones
-    }
-    disparity[u] = static_cast<float>(d) + offset;
-  }
+  disparity_.resize(padded_width);
+  const int max_error = rules_.max_left_right_error >= 0 ? rules_.max_left_right_error : -2 * kNobody;
+  HWY_DYNAMIC_DISPATCH(DisparitiesOfRow)(row, winners, right_disparity, max_error, disparity_.data());
+  std::fill_n(disparity_.begin(), std::min(kFirstChoice, row.width), kUnknown);
+  std::copy_n(disparity_.begin(), row.width, disparity);
 }
 
 }  // namespace terrace

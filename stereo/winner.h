@@ -23,6 +23,14 @@ struct SumsRow {
   const std::int16_t* first = nullptr;  ///< disparity of each pixel's range
 };
 
+/// The best sums of the pixels of a row, where they stand, and those beside them.
+struct WinnersRow {
+  std::uint8_t* index;
+  std::uint8_t* sum;
+  std::uint8_t* unique;           ///< 0: no
+  std::uint8_t *before, *behind;  ///< sums at index - 1 and + 1; both `sum` where there is only one of them
+};
+
 /// Chooses the disparities of both views.
 class WinnerChooser {
  public:
@@ -33,19 +41,13 @@ class WinnerChooser {
   /// right image.
   void Choose(const SumsRow& row, float* disparity);
 
-  /// The best of a pixel's sums and where it stands.
-  struct Winner {
-    std::uint8_t index;
-    std::uint8_t sum;
-    bool unique;
-  };
-
  private:
   WinnerRules rules_;
   std::array<std::uint8_t, 256> limit_of_sum_;  ///< that a rival must exceed
-  std::vector<Winner> winners_;
-  std::vector<std::int16_t> right_disparity_;
+  std::vector<std::uint8_t> bytes_;             ///< of the winners
+  std::vector<std::int32_t> right_disparity_;
   std::vector<std::uint8_t> right_sum_;
+  std::vector<float> disparity_;
 };
 
 }  // namespace terrace
