@@ -33,7 +33,7 @@ constexpr double kLeaveFactor = 1.5;
 constexpr FrameId kCellsPerFrame = 12;
 constexpr FrameId kMostPatience = 10;
 /// A polygon is larger than this many times its noise.
-constexpr double kCredibleEdge = 6.0;
+constexpr double kCredibleEdge = 15.0;
 /// A surface is the shadow of a stronger one that covers it, faces the same way and lies no farther away than
 /// this, and so many times its noise.
 constexpr double kShadowOffset_m = 0.05;

@@ -29,7 +29,7 @@ struct Cloud {
 /// Settings of the triangulation. YAML section: `cloud`.
 struct CloudConfig {
   /// Points whose depth is less certain than this are left out.
-  double max_depth_sigma_m = 0.05;
+  double max_depth_sigma_m = 0.065;
   /// Where pixels lie denser across the view than this, only every second, fourth, ... row and column is
   /// taken.
   double min_spacing_m = 0.01;
