@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stereo/disparity_matcher.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "core/check.h"
 #include "stereo/depth_edges.h"
@@ -22,15 +25,31 @@ std::vector<CensusPair> CensusByName(const std::string& name) {
   return CensusMixed();
 }
 
-SemiGlobalSettings MatchingSettings(const DisparityConfig& config) {
+SemiGlobalSettings MatchingSettings(const DisparityConfig& config, const std::string& best_census) {
   SemiGlobalSettings settings;
-  settings.census = CensusByName(config.census != "auto" ? config.census
-                                 : config.tier == "fast" ? "mixed"
-                                                         : "9x7");
+  settings.census = CensusByName(config.census != "auto" ? config.census : best_census);
   settings.penalties = {config.small_step_penalty, config.large_step_penalty, config.edge_step_penalty};
   settings.winner.uniqueness_percent = config.uniqueness_percent;
   settings.winner.max_left_right_error = static_cast<int>(std::lround(config.max_left_right_error_px));
   return settings;
+}
+
+/// Gives each unknown pixel a rough disparity: the lesser of those that end its gap in the row, as the
+/// further surface is the one that is hidden; that of the row above where the whole row is unknown.
+void FillFromFurther(cv::Mat1f& disparity) {
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  for (int v = 0; v < disparity.rows; ++v) {
+    float* row = disparity[v];
+    for (int u = 0; u < disparity.cols; ++u) {
+      if (!std::isnan(row[u])) continue;
+      int end = u;
+      while (end < disparity.cols && std::isnan(row[end])) ++end;
+      float rough = std::min(u > 0 ? row[u - 1] : kNone, end < disparity.cols ? row[end] : kNone);
+      if (rough == kNone) rough = v > 0 ? disparity(v - 1, 0) : 0.0f;
+      std::fill(row + u, row + end, rough);
+      u = end;
+    }
+  }
 }
 
 }  // namespace
@@ -59,25 +78,26 @@ class DisparityMatcher::Impl {
  public:
   explicit Impl(const DisparityConfig& config)
       : config_(config),
-        halved_(config.tier == "fast"),
-        matcher_(MatchingSettings(config)),
-        edges_({.rounds = halved_ ? 1 : 2}),
-        refiner_({.iterations = halved_ ? 1 : 2}) {}
+        half_matcher_(MatchingSettings(config, "mixed")),
+        full_matcher_(MatchingSettings(config, "9x7")),
+        edges_({.rounds = 1}),
+        refiner_({.iterations = config.tier == "fast" ? 1 : 2}) {}
 
   DisparityImage Match(const StereoFrame& frame) {
     DisparityImage result{frame.frame_id, frame.t_capture, {}, {}};
-    if (halved_)
-      MatchHalved(frame, result.disparity_px);
-    else
-      MatchFull(frame, result.disparity_px);
+    MatchHalved(frame, result.disparity_px);
+    if (config_.tier == "quality") MatchAgain(frame, result.disparity_px);
     edges_.Sharpen(frame.left, frame.right, result.disparity_px);
     refiner_.Refine(frame.left, frame.right, result.disparity_px, &result.sigma_px);
     return result;
   }
 
  private:
-  void MatchFull(const StereoFrame& frame, cv::Mat1f& disparity) {
-    matcher_.Match(frame.left, frame.right, config_.max_disparity_px, disparity);
+  /// Full resolution, near what the halved images show.
+  void MatchAgain(const StereoFrame& frame, cv::Mat1f& disparity) {
+    FillFromFurther(disparity);
+    full_matcher_.MatchNear(frame.left, frame.right, disparity, full_disparity_);
+    std::swap(disparity, full_disparity_);
     RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity);
   }
 
@@ -86,7 +106,7 @@ class DisparityMatcher::Impl {
     HalveImage(frame.left, half_left_);
     HalveImage(frame.right, half_right_);
     const int range = (config_.max_disparity_px / 2 + kRangeStep - 1) / kRangeStep * kRangeStep;
-    matcher_.Match(half_left_, half_right_, range, half_disparity_);
+    half_matcher_.Match(half_left_, half_right_, range, half_disparity_);
     RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
     half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr);
     disparity.create(frame.left.size());
@@ -96,13 +116,12 @@ class DisparityMatcher::Impl {
   static constexpr float kMaxSlope = 2.0f;  // pixels of disparity between neighbours of one piece
 
   DisparityConfig config_;
-  bool halved_;
-  SemiGlobalMatcher matcher_;
+  SemiGlobalMatcher half_matcher_, full_matcher_;
   DepthEdgeSharpener edges_;
   Refiner refiner_;
   Refiner half_refiner_{{.iterations = 2}};
   cv::Mat1b half_left_, half_right_;
-  cv::Mat1f half_disparity_;
+  cv::Mat1f half_disparity_, full_disparity_;
 };
 
 DisparityMatcher::DisparityMatcher(const DisparityConfig& config) {

@@ -14,11 +14,11 @@ namespace terrace {
 struct DisparityConfig {
   /// Search range; the nearest visible depth is focal_px * baseline_m / this. A multiple of 16, at most 256.
   int max_disparity_px = 128;
-  /// "fast": matched at half resolution, refined at full. "quality": matched at full resolution, three times
-  /// the work, for thin things.
+  /// "fast": matched at half resolution, refined at full. "quality": matched again at full resolution, near
+  /// what was found at half; three times the work, for finer detail.
   std::string tier = "fast";
   /// What is compared: "mixed" (keeps the edges of objects best), "5x5" (finest detail), "9x7" (steadiest in
-  /// noise and darkness) or "auto" (mixed in the fast tier, 9x7 in the other).
+  /// noise and darkness) or "auto" (mixed at half resolution, 9x7 at full).
   std::string census = "auto";
   /// Penalty for a change of disparity by one between neighbours, in census bits (of 32).
   int small_step_penalty = 8;

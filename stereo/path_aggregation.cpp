@@ -40,6 +40,8 @@ struct StripMemory {
   int padded_width;
 };
 
+alignas(64) constexpr std::uint8_t kNoCosts[256] = {};
+
 /// One row of the images and of the volumes.
 struct RowPointers {
   const std::uint8_t* left[CensusImage::kNumPlanes];
@@ -47,6 +49,7 @@ struct RowPointers {
   const std::uint8_t* p2;
   const std::int16_t* first;         // disparity of each pixel's range
   const std::int16_t* first_before;  // the same in the row that the vertical path comes from
+  const std::uint8_t* prior_costs;
   std::uint8_t* costs;
   std::uint8_t* sums;
 };
@@ -131,7 +134,7 @@ void VerticalRow(D d, const RowPointers& row, int width, int n, std::uint8_t p1,
       std::uint8_t* sums = row.sums + static_cast<std::ptrdiff_t>(u) * n;
       std::uint8_t* row_sums = memory.row_sums + static_cast<std::ptrdiff_t>(u) * n;
       const auto cost_of = [&](int k) HWY_ATTR {
-        const auto cost = Hamming(d, words, row, right_u + k);
+        const auto cost = hn::Add(Hamming(d, words, row, right_u + k), hn::Load(d, row.prior_costs + k));
         if constexpr (kSums == Sums::kSet) hn::Store(cost, d, costs + k);
         return cost;
       };
@@ -197,6 +200,7 @@ void AggregateWith(D d, const MatchingProblem& problem, const Strip& strip,
     row.p2 = problem.step_penalties->FromAbove(std::max(v, v_before));
     row.first = problem.ranges->First(v);
     row.first_before = problem.ranges->First(v_before);
+    row.prior_costs = problem.prior_costs ? problem.prior_costs : kNoCosts;
     const std::ptrdiff_t in_strip = std::clamp(v, strip.top, strip.bottom - 1) - strip.top;
     row.costs = memory.costs + (in_strip % kRowsTogether) * static_cast<std::ptrdiff_t>(memory.row_bytes);
     row.sums = memory.sums + in_strip * static_cast<std::ptrdiff_t>(memory.row_bytes);

@@ -37,7 +37,8 @@ class StepPenalties {
   AlignedArray<std::uint8_t> bytes_;
 };
 
-/// Where each pixel's search range begins. Rows are continued to a multiple of 16 pixels.
+/// Where each pixel's search range begins; disparities below 0 are searched, but never found. Rows are
+/// continued to a multiple of 16 pixels.
 class DisparityRanges {
  public:
   void Set(int width, int height, int first);
@@ -60,6 +61,9 @@ struct MatchingProblem {
   const DisparityRanges* ranges = nullptr;
   const StepPenalties* step_penalties = nullptr;
   int p1 = 6;
+  /// Added to the costs of each pixel's disparities, the largest first: what is known against them. Aligned
+  /// like vectors, at most 10 each; null: nothing.
+  const std::uint8_t* prior_costs = nullptr;
 };
 
 /// Rows [top, bottom) of the image.
@@ -71,10 +75,10 @@ struct Strip {
 
 /// Costs of a strip, summed over four paths: from the left, the right, above and below.
 ///
-/// Everything is 8 bits wide. A census cost is at most 32; a path's value is at most its cost + P2, since the
-/// minimum over the disparities is taken off in each step: <= 32 + 50 = 82, so that no path overflows. The
-/// sum of four may, where it is far from any good match: it saturates at 255, and a pixel whose best sum is
-/// 255 is unknown.
+/// Everything is 8 bits wide. A census cost is at most 32, with what is known beforehand 42; a path's value
+/// is at most its cost + P2, since the minimum over the disparities is taken off in each step: <= 42 + 50 =
+/// 92, so that no path overflows. The sum of four may, where it is far from any good match: it saturates at
+/// 255, and a pixel whose best sum is 255 is unknown.
 class PathAggregator {
  public:
   /// Gets the sums of row v, from top to bottom: num_disparities bytes for each pixel, the largest disparity

@@ -29,9 +29,15 @@ class SemiGlobalMatcher {
 
   /// Disparities 0 ... num_disparities - 1 of the left image's pixels; NaN = unknown.
   void Match(const cv::Mat1b& left, const cv::Mat1b& right, int num_disparities, cv::Mat1f& disparity);
+  /// The same near a disparity that is known roughly for each pixel; known nowhere else. Small differences
+  /// from it cost nothing against what the images say, but decide where they say nothing.
+  void MatchNear(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1f& rough, cv::Mat1f& disparity);
 
  private:
   class Scratch;
+  void MatchStrips(const cv::Mat1b& left, const cv::Mat1b& right, int num_disparities,
+                   const std::uint8_t* prior_costs, cv::Mat1f& disparity);
+
   SemiGlobalSettings settings_;
   CensusImage left_census_, right_census_;
   StepPenalties step_penalties_;

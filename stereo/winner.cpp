@@ -115,9 +115,10 @@ void DisparitiesOfRow(const SumsRow& row, const WinnersRow& winners, const std::
     const auto d = hn::Sub(hn::Add(first, hn::Set(di, row.num_disparities - 1)), index);
     const auto x = hn::Max(hn::Sub(hn::Iota(di, u), d), hn::Set(di, -1));
     const auto in_right = hn::GatherIndex(di, right_disparity, hn::Min(x, hn::Set(di, row.width - 1)));
+    const auto possible = hn::And(hn::Gt(d, hn::Set(di, -1)), hn::Gt(x, hn::Set(di, -1)));
     const auto known =
         hn::And(hn::And(hn::Ne(bytes(winners.unique + u), hn::Zero(di)), hn::Ne(sum, saturated)),
-                hn::And(hn::Gt(x, hn::Set(di, -1)), hn::Lt(hn::Abs(hn::Sub(in_right, d)), error)));
+                hn::And(possible, hn::Lt(hn::Abs(hn::Sub(in_right, d)), error)));
     // Where between -0.5 and 0.5 the parabola through the best sum and its neighbours has its lowest point.
     // Sums run from large disparities to small ones.
     const auto below = bytes(winners.behind + u), above = bytes(winners.before + u);
@@ -167,7 +168,7 @@ void WinnerChooser::Choose(const SumsRow& row, float* disparity) {
   std::int32_t* right_disparity = right_disparity_.data() + 1;
   for (int u = 0; u < row.width; ++u) {
     const int d = row.first[u] + n - 1 - winners.index[u];
-    if (u >= d && winners.sum[u] < right_sum_[u - d]) {
+    if (d >= 0 && u >= d && winners.sum[u] < right_sum_[u - d]) {
       right_sum_[u - d] = winners.sum[u];
       right_disparity[u - d] = d;
     }
