@@ -289,8 +289,9 @@ class TerrainLabeler::Impl {
       const auto known = memories_.find(surface.id());
       Memory& memory = memories[surface.id()];
       if (known != memories_.end()) memory = std::move(known->second);
-      RefreshEdges(i, memory);
       const auto step = stairs.find(surface.id());
+      if (step == stairs.end() && !StandsOutOfItsNoise(surface)) continue;
+      RefreshEdges(i, memory);
       Verdict verdict = verdicts[i];
       if (step != stairs.end()) {
         verdict.label = step->second.place.riser ? TerrainLabel::kStairRiser : TerrainLabel::kStairTread;
@@ -311,6 +312,11 @@ class TerrainLabeler::Impl {
     map->seq = map_->seq + (Differs(*map, *map_) ? 1 : 0);
     map_ = map;
     return map_;
+  }
+
+  bool StandsOutOfItsNoise(const Surface& surface) const {
+    const double edge_m = config_.min_width_in_noise * surface.polygon->noise_m;
+    return surface.area_m2 >= edge_m * edge_m;
   }
 
   static bool Differs(const TerrainMap& a, const TerrainMap& b) {
@@ -372,6 +378,7 @@ std::vector<std::string> LabelingConfig::Problems() const {
   need(ground_search_m > 0.0, "ground_search_m must be positive");
   need(max_stance_distance_m > 0.0, "max_stance_distance_m must be positive");
   need(min_decided_area_m2 >= 0.0, "min_decided_area_m2 must not be negative");
+  need(min_width_in_noise >= 0.0, "min_width_in_noise must not be negative");
   need(frames_to_change_label >= 1, "frames_to_change_label must be at least 1");
   need(max_gravity_change_deg >= 0.0, "max_gravity_change_deg must not be negative");
   return problems;

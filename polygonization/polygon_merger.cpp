@@ -33,7 +33,7 @@ constexpr double kLeaveFactor = 1.5;
 constexpr FrameId kCellsPerFrame = 12;
 constexpr FrameId kMostPatience = 10;
 /// A polygon is larger than this many times its noise.
-constexpr double kCredibleEdge = 15.0;
+constexpr double kCredibleEdge = 6.0;
 /// A surface is the shadow of a stronger one that covers it, faces the same way and lies no farther away than
 /// this, and so many times its noise.
 constexpr double kShadowOffset_m = 0.05;
@@ -646,6 +646,7 @@ class PolygonMerger::Impl {
     polygon->rms_m = std::sqrt(moments.MeanSquaredDistance(
         {surface.plane_world.normal,
          surface.plane_world.offset_m - surface.plane_world.normal.dot(surface.origin_world)}));
+    polygon->noise_m = surface.noise_m;
     polygon->plane_covariance = PlaneCovariance(surface, polygon->centroid_world);
     polygon->revision = 1;
     polygon->num_observations = 1;

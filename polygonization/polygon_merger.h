@@ -21,7 +21,7 @@ struct MergingConfig {
   double max_gap_m = 0.06;
   /// Narrower tongues of an outline are cut off.
   double min_width_m = 0.025;
-  /// Polygons and holes smaller than this are not published; nor are polygons smaller than the square of fifteen
+  /// Polygons and holes smaller than this are not published; nor are polygons smaller than the square of six
   /// times their noise.
   double min_area_m2 = 0.015;
   /// Pixel of the bitmap from which outlines are traced.

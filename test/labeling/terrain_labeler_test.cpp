@@ -352,6 +352,28 @@ TEST(TerrainLabelerTest, SharesUnchangedRegionsAndCountsRevisions) {
   EXPECT_EQ(labeler.map(), third);
 }
 
+TEST(TerrainLabelerTest, TellsNothingThatIsNotMuchWiderThanItsNoiseButTheStepsOfAStaircase) {
+  const LabelScene scene = StairsUp();
+  PolygonUpdate update = scene.Update();
+  // Floor, walls and landing are wide enough even so; a riser of 0.17 m by 1.4 m alone would not be.
+  for (PolygonPtr& polygon : update.polygons) {
+    auto noisy = std::make_shared<Polygon>(*polygon);
+    noisy->noise_m = 0.05;
+    polygon = std::move(noisy);
+  }
+  auto scrap = std::make_shared<Polygon>(*update.polygons.back());
+  scrap->id = update.polygons.back()->id + 1;
+  scrap->area_m2 = 0.3;
+  for (Eigen::Vector3d& p : scrap->outline_world) p += Eigen::Vector3d(0, 8, 0);
+  update.polygons.push_back(scrap);
+  TerrainLabeler labeler = MakeLabeler();
+  const TerrainMapPtr map = LabelOften(labeler, update, StandingAt(5, 0));
+  ASSERT_EQ(map->staircases.size(), 1u);
+  EXPECT_EQ(map->staircases[0].num_risers, 6);
+  EXPECT_EQ(map->regions.size(), update.polygons.size() - 1);
+  EXPECT_LT(map->regions.back()->id, scrap->id);
+}
+
 TEST(TerrainLabelerTest, DoesNotFlickerWhenOneFrameIsWrong) {
   const LabelScene scene = Corridor();
   TerrainLabeler labeler = MakeLabeler();
