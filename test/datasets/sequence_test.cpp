@@ -65,6 +65,7 @@ struct Recording {
   bool rectified;
   TruthFrame truth;
 };
+void PrintTo(const Recording& recording, std::ostream* out) { *out << recording.name; }
 
 class RecordingTest : public testing::TestWithParam<Recording> {};
 
