@@ -74,9 +74,16 @@ void KeyframeArchive::Add(const Keyframe& keyframe, const std::vector<Landmark>&
   kept.T_world_left = keyframe.T_world_left;
   kept.covariance = covariance;
   for (const Landmark& landmark : landmarks) {
-    if (landmark.host != keyframe.id) continue;
+    constexpr double kMinTrust = 0.35;
+    if (landmark.host != keyframe.id || landmark.trust() < kMinTrust) continue;
     if (const auto descriptor = Describe(keyframe.left, landmark.pixel_host))
       kept.points.push_back({landmark.ray_host / landmark.inverse_depth, *descriptor});
+  }
+  const auto same = std::find_if(keyframes_.begin(), keyframes_.end(),
+                                 [&](const ArchivedKeyframe& other) { return other.id == kept.id; });
+  if (same != keyframes_.end()) {
+    *same = std::move(kept);
+    return;
   }
   keyframes_.push_back(std::move(kept));
   if (keyframes_.size() <= max_keyframes_) return;

@@ -43,7 +43,8 @@ class KeyframeArchive {
  public:
   KeyframeArchive(const StereoCamera& camera, int max_keyframes);
 
-  /// @param landmarks  those that the keyframe hosts
+  /// Keeps the landmarks that the keyframe hosts and that have proved to stand still. Replaces what was kept
+  /// of the same keyframe.
   void Add(const Keyframe& keyframe, const std::vector<Landmark>& landmarks, const Matrix6d& covariance);
 
   /// A pose found by recognising a keyframe.

@@ -68,7 +68,7 @@ Matches LandmarkTracker::Track(const Window& window, const ImagePyramid& left, c
   Matches matches;
   for (Match& match : Candidates(window, T_world_left, options.max_per_cell)) {
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
-    ++matches.num_tried;
+    matches.tried.push_back(match.landmark);
     matches.trust_tried += landmark.trust();
     if (!FindInLeft(landmark, window.at(landmark.host).left, left, options, match)) continue;
     if (options.use_right && match.level == 0) FindInRight(left, right, vertical_px, match);
@@ -78,45 +78,49 @@ Matches LandmarkTracker::Track(const Window& window, const ImagePyramid& left, c
 }
 
 Matches LandmarkTracker::SearchWide(const Window& window, const ImagePyramid& left,
-                                    const Eigen::Isometry3d& T_world_left) const {
-  constexpr int kLevel = 2;
-  constexpr float kScale = 1 << kLevel;
-  constexpr std::size_t kMaxLandmarks = 80;
-  constexpr int kStridePx = 2;  // patches are smooth: every second position, the pose finds the rest
+                                    const Eigen::Isometry3d& T_world_left, double reach_px, int level) const {
+  const auto scale = static_cast<float>(1 << level);
+  const int stride = level >= 3 ? 1 : 2;  // patches are smooth, and the pose finds the rest
+  constexpr int kBlockCells = 2;
   constexpr float kMinCorrelation = 0.8f;
-  constexpr double kSigmaPx = 3.0;
-  const cv::Mat1b& image = left[kLevel];
-  const int radius = image.cols / 6;
+  constexpr double kSigmaPx = 0.75;  // of the level: whole pixels, and patches that look a little different
+  const cv::Mat1b& image = left[level];
+  const auto reach = static_cast<int>(std::min<double>(reach_px / scale, image.cols));
+  const int block_columns = grid_.columns / kBlockCells + 1;
+  std::vector<bool> taken(static_cast<std::size_t>(block_columns * (grid_.rows / kBlockCells + 1)), false);
   Matches matches;
-  const std::vector<Match> candidates = Candidates(window, T_world_left, 1);
-  const std::size_t every = candidates.size() / kMaxLandmarks + 1;
-  for (std::size_t i = 0; i < candidates.size(); i += every) {
-    Match match = candidates[i];
+  for (Match& match : Candidates(window, T_world_left, 1)) {
+    const int cell = grid_.CellOf(match.predicted.uvd.x(), match.predicted.uvd.y());
+    const auto block = static_cast<std::size_t>(cell / grid_.columns / kBlockCells * block_columns +
+                                                cell % grid_.columns / kBlockCells);
+    if (taken[block]) continue;
+    taken[block] = true;
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
-    ++matches.num_tried;
+    matches.tried.push_back(match.landmark);
     matches.trust_tried += landmark.trust();
     const Eigen::Matrix2f A_host_here = match.predicted.A_here_host.inverse().cast<float>();
     PatchTemplate patch;
-    if (!ExtractTemplate(window.at(landmark.host).left[kLevel], landmark.pixel_host.cast<float>() / kScale,
+    if (!ExtractTemplate(window.at(landmark.host).left[level], landmark.pixel_host.cast<float>() / scale,
                          A_host_here, patch))
       continue;
-    const Eigen::Vector2f expected = match.predicted.uvd.head<2>().cast<float>() / kScale;
+    const Eigen::Vector2d first_sample =
+        match.predicted.uvd.head<2>() / scale + Eigen::Vector2d::Constant(PatchTemplate::Offset(0));
+    const Eigen::Vector2i expected = first_sample.array().round().cast<int>();
+    const int u_end = std::min(expected.x() + reach, image.cols - PatchTemplate::kSize);
+    const int v_end = std::min(expected.y() + reach, image.rows - PatchTemplate::kSize);
     float best = kMinCorrelation;
-    for (int dv = -radius; dv <= radius; dv += kStridePx) {
-      for (int du = -radius; du <= radius; du += kStridePx) {
-        const Eigen::Vector2i corner(
-            static_cast<int>(std::lround(expected.x() + PatchTemplate::Offset(0))) + du,
-            static_cast<int>(std::lround(expected.y() + PatchTemplate::Offset(0))) + dv);
-        const float correlation = Correlation(image, patch, corner.x(), corner.y());
+    for (int v = std::max(expected.y() - reach, 0); v <= v_end; v += stride) {
+      for (int u = std::max(expected.x() - reach, 0); u <= u_end; u += stride) {
+        const float correlation = Correlation(image, patch, u, v);
         if (correlation <= best) continue;
         best = correlation;
-        match.measurement.uvd << (corner.cast<double>().array() - PatchTemplate::Offset(0)).matrix() * kScale,
-            0.0;
+        match.measurement.uvd << (u - PatchTemplate::Offset(0)) * scale,
+            (v - PatchTemplate::Offset(0)) * scale, 0.0;
       }
     }
     if (best <= kMinCorrelation) continue;
-    match.level = kLevel;
-    match.measurement.covariance_uv = Eigen::Matrix2d::Identity() * (kSigmaPx * kSigmaPx);
+    match.level = level;
+    match.measurement.covariance_uv = Eigen::Matrix2d::Identity() * (kSigmaPx * kSigmaPx * scale * scale);
     matches.found.push_back(match);
   }
   return matches;

@@ -30,7 +30,7 @@ struct SearchOptions {
 
 struct Matches {
   std::vector<Match> found;
-  int num_tried = 0;         ///< landmarks looked for
+  std::vector<int> tried;    ///< landmarks looked for, as indices into Window::landmarks
   double trust_tried = 0.0;  ///< sum over these
 };
 
@@ -44,10 +44,10 @@ class LandmarkTracker {
   Matches Track(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
                 const Eigen::Isometry3d& T_world_left, double vertical_px,
                 const SearchOptions& options) const;
-  /// Looks everywhere within a quarter of the image around the prediction, for some landmarks, coarsely: for
-  /// when the prediction is worth little.
-  Matches SearchWide(const Window& window, const ImagePyramid& left,
-                     const Eigen::Isometry3d& T_world_left) const;
+  /// Looks everywhere within reach of the prediction for the landmarks known best, on one level of the
+  /// pyramid: for when the prediction is worth little.
+  Matches SearchWide(const Window& window, const ImagePyramid& left, const Eigen::Isometry3d& T_world_left,
+                     double reach_px, int level) const;
 
  private:
   std::vector<Match> Candidates(const Window& window, const Eigen::Isometry3d& T_world_left,

@@ -12,8 +12,7 @@
 #include "odometry/image_pyramid.h"
 #include "odometry/imu_preintegration.h"
 #include "odometry/keyframe_archive.h"
-#include "odometry/landmark_tracker.h"
-#include "odometry/pose_solver.h"
+#include "odometry/pose_finder.h"
 #include "odometry/rotation.h"
 #include "odometry/window.h"
 #include "odometry/window_optimizer.h"
@@ -66,7 +65,7 @@ class VisualOdometry::Impl {
         camera_(camera),
         mounting_(mounting),
         grid_(FeatureGrid::For(camera.width, camera.height, config.num_cells)),
-        tracker_(camera, grid_),
+        pose_finder_(camera, grid_, config.min_inliers),
         finder_(camera, grid_, config.max_disparity_px),
         optimizer_(camera, std::nullopt),
         archive_(camera, config.archived_keyframes) {}
@@ -82,7 +81,7 @@ class VisualOdometry::Impl {
     Integrate(samples, frame.t_capture);
     FollowLegs(samples);
     const Motion predicted = Predict(frame.t_capture);
-    const auto found = FindPose(left, right, predicted, static_cast<std::uint32_t>(frame.frame_id));
+    const auto found = pose_finder_.Find(window_, left, right, Expected(frame, predicted));
     if (!found) return Unfound(frame, left, right, predicted);
     const std::vector<Match>& matches = found->matches;
     const PoseSolution& solution = found->solution;
@@ -91,9 +90,8 @@ class VisualOdometry::Impl {
     UpdateVelocity(pose, predicted);
     CheckImu(pose, predicted);
     FollowAttitude(samples, pose);
-    UpdateNoiseScale(solution);
     UpdateVertical(matches, solution);
-    CountFailures(matches, solution);
+    CountFailures(*found);
     if (NeedsKeyframe(matches, solution)) {
       AddKeyframe(frame, left, right, pose.T_world_left, matches, solution);
       RefineWindow(&pose);
@@ -155,7 +153,6 @@ class VisualOdometry::Impl {
       pose.reason = "too few features to start from";
       return pose;
     }
-    archive_.Add(window_.keyframes.back(), window_.landmarks, keyframe_covariance_);
     pose.num_matches = pose.num_inliers = static_cast<int>(window_.landmarks.size());
     Remember(pose);
     return pose;
@@ -339,12 +336,14 @@ class VisualOdometry::Impl {
 
   /// After a keyframe: all poses of the window together, then the oldest leaves.
   void RefineWindow(PoseEstimate* pose) {
-    optimizer_.Optimize(window_, gravity_.down_world, noise_scale_, config_.optimizer_iterations);
-    if (static_cast<int>(window_.keyframes.size()) > config_.window_keyframes)
-      optimizer_.DropOldest(window_, gravity_.down_world, noise_scale_);
+    optimizer_.Optimize(window_, gravity_.down_world, pose_finder_.noise_scale(),
+                        config_.optimizer_iterations);
+    if (static_cast<int>(window_.keyframes.size()) > config_.window_keyframes) {
+      archive_.Add(window_.keyframes.front(), window_.landmarks, keyframe_covariance_);
+      optimizer_.DropOldest(window_, gravity_.down_world, pose_finder_.noise_scale());
+    }
     keyframe_covariance_ = kCorrelation * optimizer_.newest_covariance();
     const Keyframe& newest = window_.keyframes.back();
-    archive_.Add(newest, window_.landmarks, keyframe_covariance_);
     pose->T_world_left = newest.T_world_left;
     pose->T_prev_left = last_->T_world_left.inverse() * pose->T_world_left;
     pose->covariance = keyframe_covariance_;
@@ -370,101 +369,22 @@ class VisualOdometry::Impl {
         T_world_here * Perturb(Eigen::Isometry3d::Identity(), share * step) * T_world_here.inverse();
     for (Keyframe& keyframe : window_.keyframes) keyframe.T_world_left = move * keyframe.T_world_left;
     last_->T_world_left = move * last_->T_world_left;
+    T_world_seen_ = move * T_world_seen_;
     optimizer_.Move(move);
     correction_ = correction_ * move.inverse();
   }
 
-  std::vector<PoseConstraint> Constraints(const std::vector<Match>& matches) const {
-    std::vector<PoseConstraint> constraints;
-    constraints.reserve(matches.size());
-    for (const Match& match : matches) {
-      const Landmark& landmark = window_.landmarks[static_cast<std::size_t>(match.landmark)];
-      const Eigen::Isometry3d& T_world_host = window_.at(landmark.host).T_world_left;
-      PoseConstraint c;
-      c.point_world =
-          T_world_host.linear() * landmark.ray_host + landmark.inverse_depth * T_world_host.translation();
-      c.inverse_depth = landmark.inverse_depth;
-      c.uvd = match.measurement.uvd;
-      c.whitening =
-          Whitening(match.measurement, match.predicted.uvd_by_inverse_depth, landmark.inverse_depth_sigma);
-      c.whitening /= std::sqrt(noise_scale_);
-      c.trust = landmark.trust();
-      constraints.push_back(c);
-    }
-    return constraints;
-  }
-
-  struct Found {
-    std::vector<Match> matches;
-    PoseSolution solution;
-    double mean_trust = 0.0;        ///< of the inliers
-    double mean_trust_tried = 0.0;  ///< of all that were looked for
-    double share = 0.0;             ///< of what was looked for and is trusted, found where the pose says
-  };
-
-  Found Solve(Matches matches, const PosePrior& prior, std::uint32_t seed) const {
-    Found found;
-    found.matches = std::move(matches.found);
-    found.solution = SolvePose(Constraints(found.matches), prior, camera_, seed);
-    for (std::size_t i = 0; i < found.matches.size(); ++i)
-      if (found.solution.inlier[i])
-        found.share += window_.landmarks[static_cast<std::size_t>(found.matches[i].landmark)].trust();
-    found.mean_trust = found.share / std::max(found.solution.num_inliers, 1);
-    found.mean_trust_tried = matches.trust_tried / std::max(matches.num_tried, 1);
-    found.share /= std::max(matches.trust_tried, 1.0);
-    return found;
-  }
-
-  bool Enough(const Found& found) const { return found.solution.num_inliers >= config_.min_inliers; }
-
-  /// First roughly, with a few landmarks on coarse levels, from where the motion model expects the camera; at
-  /// a foot strike the model is wrong, so that standing still and a wide search compete with it. Then finely,
-  /// with all landmarks, from the rough pose.
-  std::optional<Found> FindPose(const ImagePyramid& left, const ImagePyramid& right, const Motion& predicted,
-                                std::uint32_t seed) {
-    PosePrior prior;
-    prior.T_world_left = last_->T_world_left * predicted.T_last_left;
-    prior.information = predicted.covariance.inverse();
-
-    constexpr double kUsual = 0.55;  // share of the usual share
-    const SearchOptions rough{3, 0, 1, false};
-    std::optional<Found> best;
-    // True as soon as a pose explains about as much as poses do in these surroundings.
-    const auto Compete = [&](const Eigen::Isometry3d& from) {
-      PosePrior weak = prior;
-      weak.T_world_left = from;
-      Found found = Solve(tracker_.Track(window_, left, right, from, vertical_px_, rough), weak, seed);
-      if (!best || found.share > best->share) best = std::move(found);
-      return Enough(*best) && best->share > kUsual * usual_share_;
-    };
-    if (!Compete(prior.T_world_left) && !Compete(last_->T_world_left)) {
-      PosePrior vague = prior;
-      vague.information *= 0.1;
-      Compete(
-          Solve(tracker_.SearchWide(window_, left, prior.T_world_left), vague, seed).solution.T_world_left);
-    }
-    if (!Enough(*best)) return std::nullopt;
-    constexpr double kRate = 0.1;
-    usual_share_ += kRate * (best->share - usual_share_);
-
-    const Eigen::Isometry3d T_rough = best->solution.T_world_left;
-    if (!imu_in_use_) prior.information *= 0.01;  // only against what the images leave open
-    for (const int start_level : {0, 2}) {
-      Found fine =
-          Solve(tracker_.Track(window_, left, right, T_rough, vertical_px_, {start_level, 0, 2, true}), prior,
-                seed);
-      constexpr double kMinInlierShare = 0.35;
-      if (!Enough(fine) ||
-          fine.solution.num_inliers < kMinInlierShare * static_cast<double>(fine.matches.size()))
-        continue;
-      // A pose that only new landmarks believe in is that of something that moves through the view.
-      if (fine.mean_trust < kUsual * fine.mean_trust_tried) continue;
-      return fine;
-    }
-    // What stays different becomes usual.
-    constexpr double kForget = 0.75;
-    usual_share_ *= kForget;
-    return std::nullopt;
+  Expectation Expected(const StereoFrame& frame, const Motion& predicted) const {
+    Expectation expected;
+    expected.T_world_seen = T_world_seen_;
+    expected.prior.T_world_left = last_->T_world_left * predicted.T_last_left;
+    const Matrix6d transport = ErrorTransport(predicted.T_last_left);
+    expected.prior.information =
+        (transport * bridge_covariance_ * transport.transpose() + predicted.covariance).inverse();
+    expected.measured = imu_in_use_;
+    expected.vertical_px = vertical_px_;
+    expected.seed = static_cast<std::uint32_t>(frame.frame_id);
+    return expected;
   }
 
   PoseEstimate Tracked(const StereoFrame& frame, const Motion& predicted, const std::vector<Match>& matches,
@@ -499,6 +419,7 @@ class VisualOdometry::Impl {
           (velocity_world_ - mean_velocity_world_) * std::min(1.0, predicted.dt_s / kMeanOver_s);
     }
     bridged_s_ = 0.0;
+    bridge_covariance_.setZero();
     num_strange_frames_ = 0;
     return pose;
   }
@@ -516,6 +437,7 @@ class VisualOdometry::Impl {
     pose.covariance_prev = predicted.covariance;
     const Matrix6d transport = ErrorTransport(predicted.T_last_left);
     pose.covariance = transport * last_->covariance * transport.transpose() + predicted.covariance;
+    bridge_covariance_ = transport * bridge_covariance_ * transport.transpose() + predicted.covariance;
     pose.vertical_disparity_px = vertical_px_;
     velocity_world_ = mean_velocity_world_;
     rotation_rate_.setZero();
@@ -537,14 +459,18 @@ class VisualOdometry::Impl {
       pose.reason = "the images show too few features";
       return pose;
     }
-    if (const auto known = archive_.Recognize(left, landmarks, pose.T_world_left,
-                                              static_cast<std::uint32_t>(frame.frame_id))) {
+    for (const Keyframe& keyframe : window_.keyframes)
+      archive_.Add(keyframe, window_.landmarks, keyframe_covariance_);
+    const auto known =
+        archive_.Recognize(left, landmarks, pose.T_world_left, static_cast<std::uint32_t>(frame.frame_id));
+    if (known && Plausible(known->T_world_left, pose)) {
       pose.status = TrackingStatus::kTracking;
       pose.reason.clear();
       pose.T_world_left = known->T_world_left;
       pose.covariance = known->covariance;
       pose.num_inliers = known->num_inliers;
       bridged_s_ = 0.0;
+      bridge_covariance_.setZero();
       Remember(pose);
     } else if (++num_strange_frames_ < kMaxStrangeFrames) {
       return pose;
@@ -560,18 +486,16 @@ class VisualOdometry::Impl {
     return pose;
   }
 
-  void Remember(const PoseEstimate& pose) { last_ = pose; }
+  /// Places look alike: a recognised one must be where the camera can have come to since it was tracked.
+  bool Plausible(const Eigen::Isometry3d& T_world_left, const PoseEstimate& bridged) const {
+    constexpr double kMaxChi2 = 40.0;  // of six components; generous, as the motion is only presumed
+    const Vector6d step = StepBetween(bridged.T_world_left, T_world_left);
+    return step.dot(bridge_covariance_.ldlt().solve(step)) < kMaxChi2;
+  }
 
-  /// Real lenses and calibrations are worse than their patches claim: learns by how much, from the median.
-  void UpdateNoiseScale(const PoseSolution& solution) {
-    constexpr double kMedianChi2 = 2.37;  // of three components
-    constexpr double kRate = 0.05;
-    constexpr double kMaxScale = 30.0;
-    std::vector<double> chi2 = solution.chi2;
-    const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
-    std::nth_element(chi2.begin(), middle, chi2.end());
-    noise_scale_ = std::clamp(noise_scale_ * (1.0 + kRate * (std::min(*middle / kMedianChi2, 3.0) - 1.0)),
-                              1.0, kMaxScale);
+  void Remember(const PoseEstimate& pose) {
+    last_ = pose;
+    if (pose.status == TrackingStatus::kTracking) T_world_seen_ = pose.T_world_left;
   }
 
   void UpdateVertical(const std::vector<Match>& matches, const PoseSolution& solution) {
@@ -592,11 +516,14 @@ class VisualOdometry::Impl {
     }
   }
 
-  void CountFailures(const std::vector<Match>& matches, const PoseSolution& solution) {
-    for (std::size_t i = 0; i < matches.size(); ++i) {
-      Landmark& landmark = window_.landmarks[static_cast<std::size_t>(matches[i].landmark)];
-      landmark.num_failures = solution.inlier[i] ? 0 : landmark.num_failures + 1;
-      landmark.num_tracked += solution.inlier[i];
+  void CountFailures(const PoseFinder::Found& found) {
+    for (const int i : found.tried) ++window_.landmarks[static_cast<std::size_t>(i)].num_missed;
+    for (std::size_t i = 0; i < found.matches.size(); ++i) {
+      Landmark& landmark = window_.landmarks[static_cast<std::size_t>(found.matches[i].landmark)];
+      const bool agrees = found.solution.inlier[i];
+      landmark.num_failures = agrees ? 0 : landmark.num_failures + 1;
+      landmark.num_tracked += agrees;
+      landmark.num_missed -= agrees;
     }
   }
 
@@ -679,7 +606,7 @@ class VisualOdometry::Impl {
   StereoCamera camera_;
   Mounting mounting_;
   FeatureGrid grid_;
-  LandmarkTracker tracker_;
+  PoseFinder pose_finder_;
   FeatureFinder finder_;
 
   WindowOptimizer optimizer_;
@@ -709,13 +636,13 @@ class VisualOdometry::Impl {
   Eigen::Vector3d imu_velocity_world_ = Eigen::Vector3d::Zero();
   double imu_velocity_sigma_ = 1.0;
   Matrix6d own_covariance_ = Matrix6d::Zero();  ///< of the last tracked frame against its keyframe
+  Eigen::Isometry3d T_world_seen_ = Eigen::Isometry3d::Identity();  ///< where the camera was tracked last
   double bridged_s_ = 0.0;
+  Matrix6d bridge_covariance_ = Matrix6d::Zero();  ///< of the last pose against the last that was tracked
   int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's
 
   Eigen::Isometry3d correction_ = Eigen::Isometry3d::Identity();  ///< still to be taken over
   Gravity gravity_;
-  double usual_share_ = 0.5;  ///< running mean of Found::share of the rough search
-  double noise_scale_ = 1.0;  ///< variance of residuals over what the patches claim
   double vertical_px_ = 0.0;
   bool warned_of_vertical_ = false;
   std::vector<std::string> warnings_;

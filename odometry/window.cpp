@@ -10,7 +10,9 @@ namespace terrace {
 double Landmark::trust() const {
   constexpr double kOfNew = 0.2;
   constexpr double kPerFrame = 0.1;
-  return std::min(1.0, kOfNew + kPerFrame * num_tracked);
+  constexpr double kAnyway = 2.0;  // frames: one miss says little
+  return std::min(1.0, kOfNew + kPerFrame * num_tracked) * (num_tracked + kAnyway) /
+         (num_tracked + num_missed + kAnyway);
 }
 
 bool Project(const Landmark& landmark, const Eigen::Isometry3d& T_left_host, const StereoCamera& camera,

@@ -48,6 +48,7 @@ struct Landmark {
   std::vector<Observation> observations;  ///< in later keyframes
   int num_failures = 0;                   ///< in a row: found where it cannot be
   int num_tracked = 0;                    ///< frames that agreed with it
+  int num_missed = 0;                     ///< frames in which it was looked for and did not agree
 
   /// How far it is believed to stand still, 0..1: what moves never grows old.
   double trust() const;

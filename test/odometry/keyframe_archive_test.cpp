@@ -29,6 +29,7 @@ std::vector<Landmark> GridOfLandmarks(double du, double dv) {
       landmark.ray_host << (landmark.pixel_host.x() - kCamera.cx) / kCamera.fx,
           (landmark.pixel_host.y() - kCamera.cy) / kCamera.fy, 1.0;
       landmark.disparity_host_px = 10.0;
+      landmark.num_tracked = 10;
       landmark.inverse_depth = 10.0 / (kCamera.fx * kCamera.baseline_m);
       landmarks.push_back(landmark);
     }
@@ -50,6 +51,20 @@ TEST(KeyframeArchiveTest, RecognisesAPlaceFromAsideOfIt) {
   EXPECT_LT((found->T_world_left.translation() - Eigen::Vector3d(5.24, 1.0, 0.0)).norm(), 0.02);
   EXPECT_LT(LogRotation(found->T_world_left.linear()).norm(), 0.01);
   EXPECT_GT(found->covariance(5, 5), 1e-4);
+}
+
+TEST(KeyframeArchiveTest, DoesNotKeepWhatHasNotProvedToStandStill) {
+  KeyframeArchive archive(kCamera, 10);
+  Keyframe keyframe;
+  keyframe.left = TexturedPyramid(0, 0);
+  std::vector<Landmark> landmarks = GridOfLandmarks(0, 0);
+  for (Landmark& landmark : landmarks) landmark.num_tracked = 0;
+  archive.Add(keyframe, landmarks, Matrix6d::Zero());
+  ASSERT_EQ(archive.keyframes().size(), 1u);
+  EXPECT_TRUE(archive.keyframes()[0].points.empty());
+  archive.Add(keyframe, GridOfLandmarks(0, 0), Matrix6d::Zero());
+  ASSERT_EQ(archive.keyframes().size(), 1u);
+  EXPECT_FALSE(archive.keyframes()[0].points.empty());
 }
 
 TEST(KeyframeArchiveTest, DoesNotRecogniseAnotherPlace) {

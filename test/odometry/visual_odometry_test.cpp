@@ -145,6 +145,49 @@ TEST(VisualOdometryTest, IsLostAfterBridgingTooLongAndFindsBackToItsKeyframes) {
   EXPECT_LT(ErrorMm(first, pose, 8), 3.0);
 }
 
+/// A textured board at 0.5 m that swings through the view and covers a third of it.
+void HoldBoardInto(StereoFrame& frame) {
+  constexpr int kDisparityPx = 48;
+  const auto i = static_cast<double>(frame.frame_id);
+  const int width = kCamera.width / 2, height = kCamera.height * 2 / 3;
+  const int u0 = static_cast<int>((kCamera.width - width) * (0.5 + 0.5 * std::sin(0.11 * i)));
+  const int v0 = static_cast<int>((kCamera.height - height) * (0.5 + 0.5 * std::sin(0.23 * i)));
+  cv::Mat1b board(height / 4, width / 4), large;
+  std::mt19937 random(7);
+  for (std::uint8_t& grey : board) grey = static_cast<std::uint8_t>(60 + random() % 128);
+  cv::resize(board, large, {width, height}, 0, 0, cv::INTER_CUBIC);
+  large.copyTo(frame.left(cv::Rect(u0, v0, width, height)));
+  const int u_right = std::max(u0 - kDisparityPx, 0);
+  const int hidden = u_right - (u0 - kDisparityPx);
+  large.colRange(hidden, width).copyTo(frame.right(cv::Rect(u_right, v0, width - hidden, height)));
+}
+
+TEST(VisualOdometryTest, IsNotCarriedAwayByABoardThatMovesThroughTheView) {
+  VisualOdometry odometry({}, kCamera, {});
+  PoseEstimate first;
+  for (int i = 0; i < 45; ++i) {
+    StereoFrame frame = World().Frame(i, Walk(i));
+    if (i >= 8) HoldBoardInto(frame);
+    const PoseEstimate pose = odometry.Track(frame, {});
+    if (i == 0) first = pose;
+    if (pose.status == TrackingStatus::kTracking) {
+      EXPECT_LT(ErrorMm(first, pose, i), 4.0) << "frame " << i;
+    }
+  }
+}
+
+TEST(VisualOdometryTest, FindsTheWayAfterAGapInWhichTheCameraWalkedOn) {
+  VisualOdometry odometry({}, kCamera, {});
+  PoseEstimate first, pose;
+  for (int i = 0; i < 26; ++i) {
+    if (i >= 12 && i < 22) continue;
+    pose = odometry.Track(World().Frame(i, Walk(i)), {});
+    if (i == 0) first = pose;
+  }
+  EXPECT_EQ(pose.status, TrackingStatus::kTracking);
+  EXPECT_LT(ErrorMm(first, pose, 25), 4.0);
+}
+
 TEST(VisualOdometryTest, StandsStillUnderNoiseAndChangingExposure) {
   VisualOdometry odometry({}, kCamera, {});
   std::mt19937 random(2);

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/pose_finder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace terrace {
+namespace {
+
+/// Of the usual share: what a pose must explain to be believed at once.
+constexpr double kUsual = 0.55;
+/// Of the trust in all that was looked for: what a pose that explains less needs instead.
+constexpr double kDoubtful = 0.8;
+
+}  // namespace
+
+PoseFinder::PoseFinder(const StereoCamera& camera, const FeatureGrid& grid, int min_inliers)
+    : camera_(camera), tracker_(camera, grid), min_inliers_(min_inliers) {}
+
+std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const ImagePyramid& left,
+                                                  const ImagePyramid& right, const Expectation& expected) {
+  const auto rough = FindRoughly(window, left, right, expected);
+  if (!rough) return std::nullopt;
+
+  PosePrior prior = expected.prior;
+  if (!expected.measured) prior.information *= 0.01;  // only against what the images leave open
+  for (const int start_level : {0, 2}) {
+    Found fine = Solve(window,
+                       tracker_.Track(window, left, right, rough->solution.T_world_left, expected.vertical_px,
+                                      {start_level, 0, 2, true}),
+                       prior, expected.seed);
+    constexpr double kMinInlierShare = 0.35;
+    if (!Enough(fine) ||
+        fine.solution.num_inliers < kMinInlierShare * static_cast<double>(fine.matches.size()))
+      continue;
+    // A pose that only new landmarks believe in is that of something that moves through the view.
+    if (fine.mean_trust < (rough->share < kUsual * usual_share_ ? kDoubtful : kUsual) * fine.mean_trust_tried)
+      continue;
+    UpdateNoiseScale(fine.solution);
+    return fine;
+  }
+  // What stays different becomes usual.
+  constexpr double kForget = 0.75;
+  usual_share_ *= kForget;
+  return std::nullopt;
+}
+
+/// With a few landmarks on coarse levels, from where the motion is expected to have taken the camera; at a
+/// foot strike that is wrong, so that standing still and a wide search compete with it.
+std::optional<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, const ImagePyramid& left,
+                                                         const ImagePyramid& right,
+                                                         const Expectation& expected) {
+  const SearchOptions rough{3, 0, 1, false};
+  std::optional<Found> best;
+  // True as soon as a pose explains about as much as poses do in these surroundings.
+  const auto Believed = [&] { return best && Enough(*best) && best->share > kUsual * usual_share_; };
+  const auto Consider = [&](Found found) {
+    if (!best || found.score > best->score) best = std::move(found);
+  };
+  const auto TrackFrom = [&](const Eigen::Isometry3d& from) {
+    return tracker_.Track(window, left, right, from, expected.vertical_px, rough);
+  };
+  // Far from the truth a search finds only some of what it could: once more, from where these lead.
+  const auto Follow = [&](const Eigen::Isometry3d& from) {
+    constexpr int kMaxRounds = 2;
+    constexpr double kGain = 1.2;
+    PosePrior weak = expected.prior;
+    weak.T_world_left = from;
+    double score = 0.0;
+    for (int round = 0; round < kMaxRounds; ++round) {
+      Found found = Solve(window, TrackFrom(weak.T_world_left), weak, expected.seed);
+      const bool better = found.score > kGain * score;
+      score = found.score;
+      weak.T_world_left = found.solution.T_world_left;
+      Consider(std::move(found));
+      if (Believed() || !better) break;
+    }
+  };
+  // What moves through the view may be the largest group that agrees, but it is not the one known best.
+  const auto FollowGroups = [&](Matches matches, const PosePrior& prior) {
+    constexpr int kMaxGroups = 3;
+    constexpr int kMinGroup = 6;
+    for (int group = 0; group < kMaxGroups; ++group) {
+      const Found found = Solve(window, matches, prior, expected.seed);
+      if (found.solution.num_inliers < kMinGroup) return;
+      Follow(found.solution.T_world_left);
+      if (Believed()) return;
+      matches.found.clear();
+      for (std::size_t i = 0; i < found.matches.size(); ++i)
+        if (!found.solution.inlier[i]) matches.found.push_back(found.matches[i]);
+    }
+  };
+
+  const Eigen::Isometry3d& T_expected = expected.prior.T_world_left;
+  for (const Eigen::Isometry3d& from : {T_expected, expected.T_world_seen}) {
+    PosePrior weak = expected.prior;
+    weak.T_world_left = from;
+    Matches matches = TrackFrom(from);
+    Consider(Solve(window, matches, weak, expected.seed));
+    if (!Believed()) FollowGroups(std::move(matches), weak);
+    if (Believed()) break;
+  }
+  if (!Believed()) {
+    PosePrior vague = expected.prior;
+    vague.information *= 0.1;
+    const double turn_rad = std::sqrt(expected.prior.information.inverse().topLeftCorner<3, 3>().trace());
+    const double reach_px = std::max(camera_.width / 6.0, camera_.fx * std::min(turn_rad, 1.0));
+    // Coarsely first; what stands in front leaves only small patches of the rest.
+    for (const int level : {3, 2}) {
+      FollowGroups(tracker_.SearchWide(window, left, T_expected, reach_px, level), vague);
+      if (Believed()) break;
+    }
+  }
+  if (!best || !Enough(*best)) return std::nullopt;
+  constexpr double kRate = 0.1;
+  usual_share_ += kRate * (best->share - usual_share_);
+  return best;
+}
+
+PoseFinder::Found PoseFinder::Solve(const Window& window, Matches matches, const PosePrior& prior,
+                                    std::uint32_t seed) const {
+  Found found;
+  found.matches = std::move(matches.found);
+  found.solution = SolvePose(Constraints(window, found.matches), prior, camera_, seed);
+  for (std::size_t i = 0; i < found.matches.size(); ++i)
+    if (found.solution.inlier[i])
+      found.score += window.landmarks[static_cast<std::size_t>(found.matches[i].landmark)].trust();
+  found.share = found.score / std::max(matches.trust_tried, 1.0);
+  found.mean_trust = found.score / std::max(found.solution.num_inliers, 1);
+  found.tried = std::move(matches.tried);
+  found.mean_trust_tried =
+      matches.trust_tried / std::max<double>(1.0, static_cast<double>(found.tried.size()));
+  return found;
+}
+
+std::vector<PoseConstraint> PoseFinder::Constraints(const Window& window,
+                                                    const std::vector<Match>& matches) const {
+  std::vector<PoseConstraint> constraints;
+  constraints.reserve(matches.size());
+  for (const Match& match : matches) {
+    const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
+    const Eigen::Isometry3d& T_world_host = window.at(landmark.host).T_world_left;
+    PoseConstraint c;
+    c.point_world =
+        T_world_host.linear() * landmark.ray_host + landmark.inverse_depth * T_world_host.translation();
+    c.inverse_depth = landmark.inverse_depth;
+    c.uvd = match.measurement.uvd;
+    c.whitening =
+        Whitening(match.measurement, match.predicted.uvd_by_inverse_depth, landmark.inverse_depth_sigma);
+    c.whitening /= std::sqrt(noise_scale_);
+    c.trust = landmark.trust();
+    constraints.push_back(c);
+  }
+  return constraints;
+}
+
+/// Real lenses and calibrations are worse than their patches claim: learns by how much, from the median.
+void PoseFinder::UpdateNoiseScale(const PoseSolution& solution) {
+  constexpr double kMedianChi2 = 2.37;  // of three components
+  constexpr double kRate = 0.05;
+  constexpr double kMaxScale = 30.0;
+  std::vector<double> chi2 = solution.chi2;
+  const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
+  std::nth_element(chi2.begin(), middle, chi2.end());
+  noise_scale_ =
+      std::clamp(noise_scale_ * (1.0 + kRate * (std::min(*middle / kMedianChi2, 3.0) - 1.0)), 1.0, kMaxScale);
+}
+
+}  // namespace terrace

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/camera.h"
+#include "odometry/feature_finder.h"
+#include "odometry/image_pyramid.h"
+#include "odometry/landmark_tracker.h"
+#include "odometry/pose_solver.h"
+#include "odometry/window.h"
+
+namespace terrace {
+
+/// What is known before a frame is looked at.
+struct Expectation {
+  Eigen::Isometry3d T_world_seen = Eigen::Isometry3d::Identity();  ///< where the camera was tracked last
+  PosePrior prior;
+  /// Measured (by an IMU), not only presumed: the prior then has a say in the pose.
+  bool measured = false;
+  double vertical_px = 0.0;  ///< how much lower the right image is known to be
+  std::uint32_t seed = 0;
+};
+
+/// Finds the pose of a frame: several guesses of the motion compete, and the one wins that the landmarks
+/// known best agree with.
+class PoseFinder {
+ public:
+  PoseFinder(const StereoCamera& camera, const FeatureGrid& grid, int min_inliers);
+
+  struct Found {
+    std::vector<Match> matches;
+    std::vector<int> tried;  ///< landmarks looked for
+    PoseSolution solution;
+    double score = 0.0;             ///< sum of the trust in all that agree: one a cell, so old and wide wins
+    double share = 0.0;             ///< of the trust in all that was looked for
+    double mean_trust = 0.0;        ///< of the inliers
+    double mean_trust_tried = 0.0;  ///< of all that were looked for
+  };
+  /// None when no pose explains enough.
+  std::optional<Found> Find(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
+                            const Expectation& expected);
+
+ private:
+  bool Enough(const Found& found) const { return found.solution.num_inliers >= min_inliers_; }
+  std::vector<PoseConstraint> Constraints(const Window& window, const std::vector<Match>& matches) const;
+  Found Solve(const Window& window, Matches matches, const PosePrior& prior, std::uint32_t seed) const;
+  std::optional<Found> FindRoughly(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
+                                   const Expectation& expected);
+  void UpdateNoiseScale(const PoseSolution& solution);
+
+  StereoCamera camera_;
+  LandmarkTracker tracker_;
+  int min_inliers_;
+  double usual_share_ = 0.5;  ///< running mean of Found::share of the rough search
+  double noise_scale_ = 1.0;  ///< variance of residuals over what the patches claim
+
+ public:
+  double noise_scale() const { return noise_scale_; }
+};
+
+}  // namespace terrace
