@@ -18,4 +18,8 @@ struct ImagePyramid {
 /// Level 0 shares the pixels of the image.
 ImagePyramid BuildPyramid(const cv::Mat1b& image);
 
+/// Energy of gradients between neighbours on level 0, over that on level 2: falls to half and less when the
+/// image is blurred, whatever it shows and however bright it is.
+double Sharpness(const ImagePyramid& image);
+
 }  // namespace terrace

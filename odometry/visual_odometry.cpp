@@ -92,7 +92,7 @@ class VisualOdometry::Impl {
     FollowAttitude(samples, pose);
     UpdateVertical(matches, solution);
     CountFailures(*found);
-    if (NeedsKeyframe(matches, solution)) {
+    if (NeedsKeyframe(matches, solution) && !WaitForSharperImage(left)) {
       AddKeyframe(frame, left, right, pose.T_world_left, matches, solution);
       RefineWindow(&pose);
     }
@@ -549,6 +549,19 @@ class VisualOdometry::Impl {
            Seconds(last_->t_capture - newest.t_capture) > kPeriod_s;
   }
 
+  /// A blurred keyframe would blur all that is found with its texture: better a later one, unless that goes
+  /// on.
+  bool WaitForSharperImage(const ImagePyramid& left) {
+    constexpr double kBlurred = 0.65;  // of the usual sharpness
+    constexpr double kRate = 0.2;
+    constexpr int kPatience = 4;  // frames
+    const double sharpness = Sharpness(left);
+    const bool blurred = sharpness < kBlurred * usual_sharpness_;
+    usual_sharpness_ += kRate * (sharpness - usual_sharpness_);
+    num_waited_ = blurred ? num_waited_ + 1 : 0;
+    return blurred && num_waited_ <= kPatience;
+  }
+
   void AddKeyframe(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
                    const Eigen::Isometry3d& T_world_left, const std::vector<Match>& matches,
                    const PoseSolution& solution) {
@@ -615,6 +628,8 @@ class VisualOdometry::Impl {
   Window window_;
   KeyframeId next_keyframe_id_ = 0;
   std::int64_t next_landmark_id_ = 0;
+  double usual_sharpness_ = 0.0;                     ///< of frames that would become keyframes
+  int num_waited_ = 0;                               ///< for a sharper one, frames in a row
   double covered_cells_ = 1.0;                       ///< cells with a landmark just after the newest keyframe
   Matrix6d keyframe_covariance_ = Matrix6d::Zero();  ///< of the newest keyframe against the first pose
 
