@@ -10,8 +10,8 @@
 #include "core/check.h"
 #include "odometry/feature_finder.h"
 #include "odometry/image_pyramid.h"
-#include "odometry/imu_preintegration.h"
 #include "odometry/keyframe_archive.h"
+#include "odometry/motion_model.h"
 #include "odometry/pose_finder.h"
 #include "odometry/rotation.h"
 #include "odometry/window.h"
@@ -21,21 +21,9 @@
 namespace terrace {
 namespace {
 
-/// What a motion model knows of the next frame, per second without an image.
-constexpr double kModelRotationSigma = 1.0;     // rad / s
-constexpr double kModelTranslationSigma = 0.8;  // m / s
-constexpr double kGyroRotationSigma = 0.05;     // rad / s
-
 /// One landmark's errors in neighbouring frames resemble each other (texture, interpolation, slant), so that
 /// many observations know less than their number says. Measured on rendered walks, in variance.
 constexpr double kCorrelation = 4.5;
-
-Matrix6d DiagonalCovariance(double rotation_sigma, double translation_sigma) {
-  Matrix6d m = Matrix6d::Zero();
-  m.diagonal().head<3>().setConstant(rotation_sigma * rotation_sigma);
-  m.diagonal().tail<3>().setConstant(translation_sigma * translation_sigma);
-  return m;
-}
 
 }  // namespace
 
@@ -65,6 +53,7 @@ class VisualOdometry::Impl {
         camera_(camera),
         mounting_(mounting),
         grid_(FeatureGrid::For(camera.width, camera.height, config.num_cells)),
+        motion_(config, mounting),
         pose_finder_(camera, grid_, config.min_inliers),
         finder_(camera, grid_, config.max_disparity_px),
         optimizer_(camera, std::nullopt),
@@ -78,8 +67,7 @@ class VisualOdometry::Impl {
     TakeOverCorrection();
     if (!last_) return Start(frame, left, right, samples);
 
-    Integrate(samples, frame.t_capture);
-    FollowLegs(samples);
+    Read(samples, frame.t_capture);
     const Motion predicted = Predict(frame.t_capture);
     const auto found = pose_finder_.Find(window_, left, right, Expected(frame, predicted));
     if (!found) return Unfound(frame, left, right, predicted);
@@ -87,8 +75,8 @@ class VisualOdometry::Impl {
     const PoseSolution& solution = found->solution;
 
     PoseEstimate pose = Tracked(frame, predicted, matches, solution);
-    UpdateVelocity(pose, predicted);
-    CheckImu(pose, predicted);
+    motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_);
+    if (motion_.ImuContradicts(pose, predicted)) RefuseImu();
     FollowAttitude(samples, pose);
     UpdateVertical(matches, solution);
     CountFailures(*found);
@@ -109,8 +97,7 @@ class VisualOdometry::Impl {
       pose.reason = reason;
       return pose;
     }
-    Integrate(samples, t_capture);
-    FollowLegs(samples);
+    Read(samples, t_capture);
     return Bridged(frame_id, t_capture, Predict(t_capture), reason);
   }
 
@@ -125,14 +112,6 @@ class VisualOdometry::Impl {
   }
 
  private:
-  /// A motion from the last pose, believed before the images are looked at.
-  struct Motion {
-    double dt_s = 0.0;
-    Eigen::Isometry3d T_last_left = Eigen::Isometry3d::Identity();
-    Matrix6d covariance = Matrix6d::Zero();
-    Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();  ///< of the IMU, then
-  };
-
   PoseEstimate Start(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
                      const SensorSamples& samples) {
     const WorldFrame world = LayWorldFrame(config_, mounting_, samples);
@@ -145,8 +124,7 @@ class VisualOdometry::Impl {
     pose.T_world_left = world.T_world_left;
     AddKeyframe(frame, left, right, pose.T_world_left, {}, {});
     StartWindow(Matrix6d::Zero());
-    Integrate(samples, frame.t_capture);
-    FollowLegs(samples);
+    Read(samples, frame.t_capture);
     if (static_cast<int>(window_.landmarks.size()) < config_.min_inliers) {
       window_ = {};
       pose.status = TrackingStatus::kLost;
@@ -160,72 +138,14 @@ class VisualOdometry::Impl {
 
   /// A fresh prior, on the oldest keyframe of the window.
   void StartWindow(const Matrix6d& pose_covariance) {
-    optimizer_ = WindowOptimizer(camera_, imu_in_use_ ? mounting_.T_left_imu : std::nullopt);
+    optimizer_ = WindowOptimizer(camera_, motion_.imu_in_use() ? mounting_.T_left_imu : std::nullopt);
     optimizer_.Start(window_.keyframes.front(), pose_covariance / kCorrelation, gravity_.sigma_rad);
     keyframe_covariance_ = pose_covariance;
   }
 
-  /// Sums the IMU up since the last frame and since the newest keyframe.
-  void Integrate(const SensorSamples& samples, Timestamp t_capture) {
-    if (!config_.use_imu || !mounting_.T_left_imu || imu_refused_) return;
-    constexpr double kMaxGap_s = 0.05;
-    const KeyframeState& biases = window_.keyframes.back();
-    imu_since_last_ = ImuPreintegration(mounting_.imu_noise, biases.gyro_bias, biases.accel_bias);
-    if (!imu_since_keyframe_) imu_since_keyframe_ = imu_since_last_;
-    imu_gapless_ = last_.has_value();
-    Timestamp t = last_ ? last_->t_capture : t_capture;
-    const auto AddUntil = [&](const ImuSample& sample, Timestamp until) {
-      if (until <= t) return;
-      const double dt = Seconds(until - t);
-      if (dt > kMaxGap_s) imu_gapless_ = false;
-      imu_since_last_->Add(sample.gyro, sample.accel, dt);
-      imu_since_keyframe_->Add(sample.gyro, sample.accel, dt);
-      t = until;
-    };
-    for (const ImuSample& sample : samples.imu) {
-      ImuSample middle = sample;
-      if (newest_sample_ && Seconds(sample.t - newest_sample_->t) < kMaxGap_s) {
-        middle.gyro = 0.5 * (sample.gyro + newest_sample_->gyro);
-        middle.accel = 0.5 * (sample.accel + newest_sample_->accel);
-      }
-      AddUntil(middle, std::min(sample.t, t_capture));
-      newest_sample_ = sample;
-    }
-    if (newest_sample_) AddUntil(*newest_sample_, t_capture);
-    if (samples.imu.empty()) imu_gapless_ = false;
-    if (!imu_gapless_ && last_) keyframe_imu_gapless_ = false;
-    if (!imu_in_use_ && !samples.imu.empty() && window_.keyframes.size() == 1) {
-      // The IMU came after the first image.
-      imu_in_use_ = true;
-      gravity_.source = GravitySource::kImu;
-      StartWindow(keyframe_covariance_);
-    }
-  }
-
-  /// How the legs say that the body moved since the last frame: relative motion, the pose itself means
-  /// nothing.
-  void FollowLegs(const SensorSamples& samples) {
-    leg_motion_.reset();
-    if (!config_.use_priors || !mounting_.T_body_left) return;
-    for (const BodyPrior& prior : samples.priors) {
-      if (prior.kind != PriorKind::kLegOdometry) continue;
-      if (newest_leg_) {
-        const Eigen::Isometry3d step = newest_leg_->T_odom_body.inverse() * prior.T_odom_body;
-        if (!leg_motion_) {
-          leg_motion_ = prior;
-          leg_motion_->T_odom_body = step;
-        } else {
-          leg_motion_->T_odom_body = leg_motion_->T_odom_body * step;
-        }
-        leg_motion_->covariance = prior.covariance;
-      }
-      newest_leg_ = prior;
-    }
-  }
-
   /// The robot's own attitude, at a tracked frame, makes up better known.
   void FollowAttitude(const SensorSamples& samples, const PoseEstimate& pose) {
-    if (!config_.use_priors || !mounting_.T_body_left || imu_in_use_) return;
+    if (!config_.use_priors || !mounting_.T_body_left || motion_.imu_in_use()) return;
     const BodyPrior* newest = nullptr;
     for (const BodyPrior& prior : samples.priors)
       if (prior.kind == PriorKind::kAttitude) newest = &prior;
@@ -246,87 +166,21 @@ class VisualOdometry::Impl {
     gravity_.source = GravitySource::kAttitude;
   }
 
+  void Read(const SensorSamples& samples, Timestamp t_capture) {
+    motion_.Read(samples, last_, t_capture, window_.keyframes.back());
+    if (motion_.imu_in_use() || !motion_.has_imu() || window_.keyframes.size() > 1) return;
+    // The IMU came after the first image.
+    motion_.UseImu();
+    gravity_.source = GravitySource::kImu;
+    StartWindow(keyframe_covariance_);
+  }
+
   Motion Predict(Timestamp t_capture) const {
-    Motion motion;
-    motion.dt_s = Seconds(t_capture - last_->t_capture);
-    if (imu_in_use_ && imu_gapless_) {
-      const ImuState predicted = imu_since_last_->Predict(ImuAt(last_->T_world_left), gravity_.down_world);
-      Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
-      T_world_imu.linear() = predicted.R_world_imu;
-      T_world_imu.translation() = predicted.p_world;
-      motion.T_last_left = last_->T_world_left.inverse() * T_world_imu * mounting_.T_left_imu->inverse();
-      motion.velocity_world = predicted.v_world;
-      const double fall_m = 0.5 * kGravityMagnitude * gravity_.sigma_rad * motion.dt_s * motion.dt_s;
-      motion.covariance = DiagonalCovariance(kGyroRotationSigma * motion.dt_s + 0.001,
-                                             imu_velocity_sigma_ * motion.dt_s + fall_m + 0.001);
-      return motion;
-    }
-    if (leg_motion_) {
-      motion.T_last_left =
-          mounting_.T_body_left->inverse() * leg_motion_->T_odom_body * *mounting_.T_body_left;
-      motion.velocity_world = imu_velocity_world_;
-      const Matrix6d transport = ErrorTransport(*mounting_.T_body_left);
-      constexpr double kLegRotationSigma = 0.01;
-      constexpr double kLegTranslationSigma = 0.005;
-      motion.covariance = transport * leg_motion_->covariance * transport.transpose() +
-                          DiagonalCovariance(kLegRotationSigma, kLegTranslationSigma);
-      return motion;
-    }
-    // What the body does just now soon turns into what it does on average.
-    constexpr double kMemory_s = 0.1;
-    const double now_s = kMemory_s * (1.0 - std::exp(-motion.dt_s / kMemory_s));
-    const double later_s = motion.dt_s - now_s;
-    motion.T_last_left.linear() = ExpRotation(rotation_rate_ * now_s);
-    motion.T_last_left.translation() =
-        last_->T_world_left.linear().transpose() * (velocity_world_ * now_s + mean_velocity_world_ * later_s);
-    motion.velocity_world = imu_velocity_world_;
-    motion.covariance =
-        DiagonalCovariance(kModelRotationSigma * motion.dt_s, kModelTranslationSigma * motion.dt_s);
-    return motion;
+    return motion_.Predict(*last_, t_capture, window_.keyframes.back(), gravity_);
   }
 
-  ImuState ImuAt(const Eigen::Isometry3d& T_world_left) const {
-    const Eigen::Isometry3d T_world_imu = T_world_left * *mounting_.T_left_imu;
-    const KeyframeState& biases = window_.keyframes.back();
-    return {T_world_imu.linear(), T_world_imu.translation(), imu_velocity_world_, biases.gyro_bias,
-            biases.accel_bias};
-  }
-
-  /// Velocity of the IMU at a tracked frame: what it was predicted to be, drawn towards what the images saw.
-  void UpdateVelocity(const PoseEstimate& pose, const Motion& predicted) {
-    if (!imu_in_use_ || predicted.dt_s <= 0.0) return;
-    const ImuState seen = ImuAt(pose.T_world_left);
-    const ImuState before = ImuAt(last_->T_world_left);
-    constexpr double kSeenSigma = 0.04;
-    constexpr double kUnseenSigma = 0.3;
-    if (!imu_gapless_) {
-      imu_velocity_world_ = (seen.p_world - before.p_world) / predicted.dt_s;
-      imu_velocity_sigma_ = kUnseenSigma;
-      return;
-    }
-    // Had the velocity been right, the prediction would have hit the pose.
-    const ImuState hit = imu_since_last_->Predict(before, gravity_.down_world);
-    imu_velocity_world_ = hit.v_world;
-    // After bridging, the miss is mostly the error of the bridge.
-    if (last_->status != TrackingStatus::kTracking) return;
-    const double trust = imu_velocity_sigma_ > 0.1 ? 1.0 : 0.4;
-    imu_velocity_world_ += trust * (seen.p_world - hit.p_world) / predicted.dt_s;
-    imu_velocity_sigma_ = std::max(kSeenSigma, 0.3 * imu_velocity_sigma_);
-  }
-
-  /// An IMU whose turns the images contradict again and again is mounted or timed differently than we were
-  /// told.
-  void CheckImu(const PoseEstimate& pose, const Motion& predicted) {
-    if (!imu_in_use_ || !imu_gapless_) return;
-    constexpr double kMaxErrorRad = 0.015;
-    constexpr double kMaxErrorRate = 0.3;  // rad / s
-    constexpr int kMaxContradictions = 8;
-    const Eigen::Matrix3d error = predicted.T_last_left.linear().transpose() * pose.T_prev_left.linear();
-    const bool contradicts = LogRotation(error).norm() > kMaxErrorRad + kMaxErrorRate * predicted.dt_s;
-    num_contradictions_ = std::max(0, num_contradictions_ + (contradicts ? 1 : -1));
-    if (num_contradictions_ < kMaxContradictions) return;
-    imu_in_use_ = false;
-    imu_refused_ = true;
+  void RefuseImu() {
+    motion_.RefuseImu();
     warnings_.push_back(
         "the IMU turns otherwise than the images: not used any more; check T_BS of the IMU and its clock");
     gravity_.source = mounting_.T_body_left ? GravitySource::kMounting : GravitySource::kAssumed;
@@ -347,8 +201,8 @@ class VisualOdometry::Impl {
     pose->T_world_left = newest.T_world_left;
     pose->T_prev_left = last_->T_world_left.inverse() * pose->T_world_left;
     pose->covariance = keyframe_covariance_;
-    if (imu_in_use_) {
-      imu_velocity_world_ = newest.velocity_world;
+    if (motion_.imu_in_use()) {
+      motion_.Refine(newest);
       gravity_.sigma_rad = optimizer_.gravity_sigma_rad();
     }
   }
@@ -381,7 +235,7 @@ class VisualOdometry::Impl {
     const Matrix6d transport = ErrorTransport(predicted.T_last_left);
     expected.prior.information =
         (transport * bridge_covariance_ * transport.transpose() + predicted.covariance).inverse();
-    expected.measured = imu_in_use_;
+    expected.measured = motion_.imu_in_use();
     expected.vertical_px = vertical_px_;
     expected.seed = static_cast<std::uint32_t>(frame.frame_id);
     return expected;
@@ -409,15 +263,6 @@ class VisualOdometry::Impl {
     pose.num_inliers = solution.num_inliers;
     pose.rms_px = solution.rms_px;
     pose.vertical_disparity_px = vertical_px_;
-    // After bridging, the step from the last pose is mostly the error of the bridge.
-    if (predicted.dt_s > 0.0 && last_->status == TrackingStatus::kTracking) {
-      constexpr double kMeanOver_s = 0.7;
-      rotation_rate_ = LogRotation(pose.T_prev_left.linear()) / predicted.dt_s;
-      velocity_world_ =
-          (pose.T_world_left.translation() - last_->T_world_left.translation()) / predicted.dt_s;
-      mean_velocity_world_ +=
-          (velocity_world_ - mean_velocity_world_) * std::min(1.0, predicted.dt_s / kMeanOver_s);
-    }
     bridged_s_ = 0.0;
     bridge_covariance_.setZero();
     num_strange_frames_ = 0;
@@ -439,10 +284,7 @@ class VisualOdometry::Impl {
     pose.covariance = transport * last_->covariance * transport.transpose() + predicted.covariance;
     bridge_covariance_ = transport * bridge_covariance_ * transport.transpose() + predicted.covariance;
     pose.vertical_disparity_px = vertical_px_;
-    velocity_world_ = mean_velocity_world_;
-    rotation_rate_.setZero();
-    imu_velocity_world_ = predicted.velocity_world;
-    imu_velocity_sigma_ += kGravityMagnitude * gravity_.sigma_rad * predicted.dt_s + 0.01 * predicted.dt_s;
+    motion_.Bridge(predicted, gravity_);
     Remember(pose);
     return pose;
   }
@@ -481,7 +323,7 @@ class VisualOdometry::Impl {
     AddKeyframe(frame, left, right, pose.T_world_left, {}, {});
     window_.keyframes.back().gyro_bias = biases.gyro_bias;
     window_.keyframes.back().accel_bias = biases.accel_bias;
-    window_.keyframes.back().velocity_world = imu_velocity_world_;
+    window_.keyframes.back().velocity_world = motion_.imu_velocity_world();
     StartWindow(pose.covariance);
     return pose;
   }
@@ -545,7 +387,7 @@ class VisualOdometry::Impl {
     if (distance * *middle > config_.keyframe_parallax) return true;
     // At rest gravity and biases show without parallax; a few keyframes are enough, more would only drift.
     constexpr double kPeriod_s = 1.0;
-    return imu_in_use_ && keyframes_at_rest_ < config_.window_keyframes - 2 &&
+    return motion_.imu_in_use() && keyframes_at_rest_ < config_.window_keyframes - 2 &&
            Seconds(last_->t_capture - newest.t_capture) > kPeriod_s;
   }
 
@@ -571,14 +413,8 @@ class VisualOdometry::Impl {
     keyframe.t_capture = frame.t_capture;
     keyframe.T_world_left = T_world_left;
     keyframe.left = left;
-    if (imu_in_use_ && !window_.keyframes.empty()) {
-      keyframe.velocity_world = imu_velocity_world_;
-      keyframe.gyro_bias = window_.keyframes.back().gyro_bias;
-      keyframe.accel_bias = window_.keyframes.back().accel_bias;
-      if (keyframe_imu_gapless_) keyframe.imu = imu_since_keyframe_;
-    }
-    imu_since_keyframe_.reset();
-    keyframe_imu_gapless_ = true;
+    if (!window_.keyframes.empty()) motion_.FillKeyframe(window_.keyframes.back(), keyframe);
+    motion_.RestartKeyframe();
     constexpr double kRest_m = 0.005;
     const bool rests =
         !window_.keyframes.empty() &&
@@ -619,6 +455,7 @@ class VisualOdometry::Impl {
   StereoCamera camera_;
   Mounting mounting_;
   FeatureGrid grid_;
+  MotionModel motion_;
   PoseFinder pose_finder_;
   FeatureFinder finder_;
 
@@ -634,22 +471,7 @@ class VisualOdometry::Impl {
   Matrix6d keyframe_covariance_ = Matrix6d::Zero();  ///< of the newest keyframe against the first pose
 
   std::optional<PoseEstimate> last_;
-  Eigen::Vector3d velocity_world_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d mean_velocity_world_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d rotation_rate_ = Eigen::Vector3d::Zero();
-  int keyframes_at_rest_ = 0;  ///< in a row
-  bool imu_in_use_ = false;
-  bool imu_refused_ = false;
-  int num_contradictions_ = 0;  ///< frames that the IMU turned otherwise, less those it did not
-  std::optional<ImuSample> newest_sample_;
-  std::optional<BodyPrior> newest_leg_;
-  std::optional<BodyPrior> leg_motion_;  ///< since the last frame
-  std::optional<ImuPreintegration> imu_since_last_;
-  std::optional<ImuPreintegration> imu_since_keyframe_;
-  bool imu_gapless_ = false;          ///< since the last frame
-  bool keyframe_imu_gapless_ = true;  ///< since the newest keyframe
-  Eigen::Vector3d imu_velocity_world_ = Eigen::Vector3d::Zero();
-  double imu_velocity_sigma_ = 1.0;
+  int keyframes_at_rest_ = 0;                   ///< in a row
   Matrix6d own_covariance_ = Matrix6d::Zero();  ///< of the last tracked frame against its keyframe
   Eigen::Isometry3d T_world_seen_ = Eigen::Isometry3d::Identity();  ///< where the camera was tracked last
   double bridged_s_ = 0.0;

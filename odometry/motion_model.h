@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "core/geometry.h"
+#include "core/pose_estimate.h"
+#include "core/sensor_frame.h"
+#include "odometry/imu_preintegration.h"
+#include "odometry/visual_odometry.h"
+#include "odometry/window.h"
+
+namespace terrace {
+
+/// A motion from the last pose, believed before the images are looked at.
+struct Motion {
+  double dt_s = 0.0;
+  Eigen::Isometry3d T_last_left = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Zero();
+  Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();  ///< of the IMU, then
+};
+
+/// How the camera moves while nobody looks: by the IMU, else by the legs, else as it has moved so far.
+class MotionModel {
+ public:
+  MotionModel(const OdometryConfig& config, const Mounting& mounting)
+      : config_(config), mounting_(mounting) {}
+
+  /// Takes in what the sensors said since the last pose.
+  /// @param last  none: the world begins at t_capture
+  /// @param biases  of the IMU, as the newest keyframe knows them
+  void Read(const SensorSamples& samples, const std::optional<PoseEstimate>& last, Timestamp t_capture,
+            const KeyframeState& biases);
+  Motion Predict(const PoseEstimate& last, Timestamp t_capture, const KeyframeState& biases,
+                 const Gravity& gravity) const;
+
+  /// The images have shown where the camera came to.
+  void Correct(const PoseEstimate& last, const PoseEstimate& pose, const Motion& predicted,
+               const KeyframeState& biases, const Gravity& gravity);
+  /// They have not.
+  void Bridge(const Motion& predicted, const Gravity& gravity);
+  /// What the refined window says about a keyframe at the last pose.
+  void Refine(const KeyframeState& newest) { imu_velocity_world_ = newest.velocity_world; }
+
+  /// What the IMU knows of a new keyframe at the last pose.
+  void FillKeyframe(const KeyframeState& before, Keyframe& keyframe) const;
+  /// Sums the IMU up anew, from a keyframe at the last pose.
+  void RestartKeyframe();
+
+  bool imu_in_use() const { return imu_in_use_; }
+  /// True when samples have come that may be used.
+  bool has_imu() const { return newest_sample_.has_value() && !imu_refused_; }
+  void UseImu() { imu_in_use_ = true; }
+  /// An IMU whose turns the images contradict again and again is mounted or timed differently than we were
+  /// told.
+  bool ImuContradicts(const PoseEstimate& pose, const Motion& predicted);
+  void RefuseImu();
+  const Eigen::Vector3d& imu_velocity_world() const { return imu_velocity_world_; }
+
+ private:
+  void IntegrateImu(const SensorSamples& samples, const std::optional<PoseEstimate>& last,
+                    Timestamp t_capture, const KeyframeState& biases);
+  void FollowLegs(const SensorSamples& samples);
+  void CorrectImuVelocity(const PoseEstimate& last, const PoseEstimate& pose, const Motion& predicted,
+                          const KeyframeState& biases, const Gravity& gravity);
+  ImuState ImuAt(const Eigen::Isometry3d& T_world_left, const KeyframeState& biases) const;
+
+  OdometryConfig config_;
+  Mounting mounting_;
+
+  Eigen::Vector3d velocity_world_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_velocity_world_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rotation_rate_ = Eigen::Vector3d::Zero();
+
+  bool imu_in_use_ = false;
+  bool imu_refused_ = false;
+  int num_contradictions_ = 0;  ///< frames that the IMU turned otherwise, less those it did not
+  std::optional<ImuSample> newest_sample_;
+  std::optional<ImuPreintegration> imu_since_last_;
+  std::optional<ImuPreintegration> imu_since_keyframe_;
+  bool imu_gapless_ = false;          ///< since the last frame
+  bool keyframe_imu_gapless_ = true;  ///< since the newest keyframe
+  Eigen::Vector3d imu_velocity_world_ = Eigen::Vector3d::Zero();
+  double imu_velocity_sigma_ = 1.0;
+
+  std::optional<BodyPrior> newest_leg_;
+  std::optional<BodyPrior> leg_motion_;  ///< since the last frame
+};
+
+}  // namespace terrace
