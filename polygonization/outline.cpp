@@ -368,17 +368,24 @@ void OutlineTracer::Fill(const Eigen::Vector2d& centre, const Eigen::Vector2d& h
   const Eigen::Vector2d c = (centre - low_) / pixel_m_ - Eigen::Vector2d::Constant(0.5);  // in pixel centres
   const Eigen::Vector2d hx = half_x / pixel_m_, hy = half_y / pixel_m_;
   const double ex = std::abs(hx.x()) + std::abs(hy.x()), ey = std::abs(hx.y()) + std::abs(hy.y());
-  const double nx2 = std::max(hx.squaredNorm(), 1e-12), ny2 = std::max(hy.squaredNorm(), 1e-12);
-  const int x0 = std::max(0, static_cast<int>(std::ceil(c.x() - ex)));
-  const int x1 = std::min(filled_.cols - 1, static_cast<int>(std::floor(c.x() + ex)));
   const int y0 = std::max(0, static_cast<int>(std::ceil(c.y() - ey)));
   const int y1 = std::min(filled_.rows - 1, static_cast<int>(std::floor(c.y() + ey)));
   for (int y = y0; y <= y1; ++y) {
-    std::uint8_t* row = filled_.ptr(y);
-    for (int x = x0; x <= x1; ++x) {
-      const Eigen::Vector2d d(x - c.x(), y - c.y());
-      if (std::abs(d.dot(hx)) <= nx2 && std::abs(d.dot(hy)) <= ny2) row[x] = 255;
+    // The rectangle is where |d . h| <= |h|^2 for both half axes h: of each row an interval.
+    double low = c.x() - ex, high = c.x() + ex;
+    for (const Eigen::Vector2d& h : {hx, hy}) {
+      const double limit = std::max(h.squaredNorm(), 1e-12), across = h.y() * (y - c.y());
+      if (std::abs(h.x()) < 1e-9) {
+        if (std::abs(across) > limit) high = low - 1.0;
+        continue;
+      }
+      const double middle = c.x() - across / h.x(), reach = limit / std::abs(h.x());
+      low = std::max(low, middle - reach);
+      high = std::min(high, middle + reach);
     }
+    const int x0 = std::max(0, static_cast<int>(std::ceil(low)));
+    const int x1 = std::min(filled_.cols - 1, static_cast<int>(std::floor(high)));
+    if (x0 <= x1) std::fill_n(filled_.ptr(y) + x0, x1 - x0 + 1, std::uint8_t{255});
   }
 }
 
