@@ -17,7 +17,8 @@
 namespace terrace {
 namespace {
 
-constexpr int kRangeStep = 16;
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr int kRangeStep = 16;  // of the settings
 
 std::vector<CensusPair> CensusByName(const std::string& name) {
   if (name == "5x5") return Census5x5();
@@ -105,8 +106,11 @@ class DisparityMatcher::Impl {
   void MatchHalved(const StereoFrame& frame, cv::Mat1f& disparity) {
     HalveImage(frame.left, half_left_);
     HalveImage(frame.right, half_right_);
-    const int range = (config_.max_disparity_px / 2 + kRangeStep - 1) / kRangeStep * kRangeStep;
+    // Wide vectors take 64 disparities faster than 48.
+    const int range = config_.max_disparity_px <= 32 ? 16 : (config_.max_disparity_px / 2 + 31) / 32 * 32;
     half_matcher_.Match(half_left_, half_right_, range, half_disparity_);
+    if (2 * range > config_.max_disparity_px)
+      half_disparity_.setTo(kUnknown, half_disparity_ > 0.5 * config_.max_disparity_px);
     RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
     half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr);
     disparity.create(frame.left.size());

@@ -2,26 +2,53 @@
 #include "stereo/half_resolution.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "stereo/half_resolution.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
 namespace terrace {
-namespace {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr float kMaxSlope = 1.0f;  // half-resolution pixels between neighbours on one surface
 
-/// A quarter of the way from a towards b and towards c (d is both ways); a itself at a depth edge.
-inline float Interpolate(float a, float b, float c, float d) {
-  // Comparisons with NaN are false: an unknown neighbour is not smooth.
-  const bool smooth =
-      (std::abs(b - a) <= kMaxSlope) & (std::abs(c - a) <= kMaxSlope) & (std::abs(d - a) <= kMaxSlope);
-  const float mean = 0.5625f * a + 0.1875f * (b + c) + 0.0625f * d;
-  return smooth ? mean : a;
+/// One row of twice as many pixels, a quarter of a pixel from `near` towards `far`. Both have one more pixel
+/// on either side, and a vector behind.
+void DoubleRow(const float* near, const float* far, int width, float* doubled) {
+  const hn::ScalableTag<float> df;
+  const auto slope = hn::Set(df, kMaxSlope);
+  for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(df))) {
+    const auto a = hn::LoadU(df, near + u), c = hn::LoadU(df, far + u);
+    // A quarter of the way from a towards its neighbour b and towards c (d is both ways); a itself at a depth
+    // edge.
+    const auto towards = [&](int side) HWY_ATTR {
+      const auto b = hn::LoadU(df, near + u + side), d = hn::LoadU(df, far + u + side);
+      // Comparisons with NaN are false: an unknown neighbour is not smooth.
+      const auto like_a = [&](hn::Vec<decltype(df)> other)
+                              HWY_ATTR { return hn::Le(hn::Abs(hn::Sub(other, a)), slope); };
+      const auto mean =
+          hn::Add(hn::Add(hn::Mul(hn::Set(df, 0.5625f), a), hn::Mul(hn::Set(df, 0.1875f), hn::Add(b, c))),
+                  hn::Mul(hn::Set(df, 0.0625f), d));
+      const auto smooth = hn::IfThenElse(hn::And(hn::And(like_a(b), like_a(c)), like_a(d)), mean, a);
+      return hn::Add(smooth, smooth);
+    };
+    hn::StoreInterleaved2(towards(-1), towards(1), df, doubled + 2 * u);
+  }
 }
 
-}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace terrace
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace terrace {
+HWY_EXPORT(DoubleRow);
 
 void HalveImage(const cv::Mat1b& image, cv::Mat1b& half) {
   cv::Mat1b even = image;
@@ -31,26 +58,24 @@ void HalveImage(const cv::Mat1b& image, cv::Mat1b& half) {
 }
 
 void DoubleDisparity(const cv::Mat1f& half, cv::Mat1f& full) {
-  // Rows with their first and last pixel repeated, and the doubled row: plain loops that compilers turn into
-  // vectors.
-  std::vector<float> near_row(half.cols + 2), far_row(half.cols + 2), doubled(2 * half.cols);
+  // Rows with their first and last pixel repeated, and the doubled row, each with room for a vector behind
+  // it.
+  constexpr int kBehind = 64;
+  std::vector<float> near_row(half.cols + 2 + kBehind), far_row(half.cols + 2 + kBehind);
+  std::vector<float> doubled(2 * (half.cols + kBehind));
   const auto repeat_ends = [&](const float* from, std::vector<float>& to) {
     std::copy_n(from, half.cols, to.begin() + 1);
     to.front() = to[1];
-    to.back() = to[half.cols];
+    to[half.cols + 1] = to[half.cols];
   };
   for (int v = 0; v < full.rows; ++v) {
     // Row v lies a quarter of a halved pixel from row v / 2 towards its neighbour above or below.
     repeat_ends(half[v / 2], near_row);
     repeat_ends(half[std::clamp(v % 2 == 0 ? v / 2 - 1 : v / 2 + 1, 0, half.rows - 1)], far_row);
-    const float* n = near_row.data() + 1;
-    const float* f = far_row.data() + 1;
-    for (int i = 0; i < half.cols; ++i) {
-      doubled[2 * i] = 2.0f * Interpolate(n[i], n[i - 1], f[i], f[i - 1]);
-      doubled[2 * i + 1] = 2.0f * Interpolate(n[i], n[i + 1], f[i], f[i + 1]);
-    }
+    HWY_DYNAMIC_DISPATCH(DoubleRow)(near_row.data() + 1, far_row.data() + 1, half.cols, doubled.data());
     std::copy_n(doubled.begin(), full.cols, full[v]);
   }
 }
 
 }  // namespace terrace
+#endif  // HWY_ONCE
