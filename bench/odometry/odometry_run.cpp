@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Plays sequences through the odometry alone and compares with the truth:
-//   terrace_odometry_run SEQUENCE... [--no-imu] [--damage NAME|all]... [--out DIR] [--sgbm]
+//   terrace_odometry_run SEQUENCE... [--no-imu] [--no-priors] [--damage NAME|all]... [--out DIR] [--sgbm]
+// Memory is what the odometry itself has on the heap after a quarter of the frames and at the end: flat when
+// both are alike. --no-imu and --no-priors (body attitude and legs) together: stereo only.
 // --damage: one of DamageNames(), or all of them, after the undamaged sequence.
 // --out writes one text line a frame (pose, truth, error, sigmas); --sgbm compares the CPU time with OpenCV's
 // StereoSGBM, 128 disparities, padded, on every eighth frame of the same run.
@@ -18,6 +20,7 @@
 #include <vector>
 
 #include <Eigen/Dense>
+#include <malloc.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -34,6 +37,12 @@ double CpuSeconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// What is allocated just now; does not count what has been freed and not given back.
+double HeapMib() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd) / (1024.0 * 1024.0);
 }
 
 struct Recording {
@@ -124,6 +133,8 @@ struct Outcome {
   double p99_ms = 0.0;
   double max_ms = 0.0;
   double sgbm_ratio = 0.0;
+  double heap_early_mib = 0.0;
+  double heap_mib = 0.0;
   Gravity gravity;
   double gravity_error_deg = 0.0;
   double path_m = 0.0;
@@ -132,6 +143,7 @@ struct Outcome {
 
 struct Options {
   bool use_imu = true;
+  bool use_priors = true;
   bool sgbm = false;
   std::string out;
 };
@@ -139,9 +151,14 @@ struct Options {
 Outcome Run(const Recording& recording, const Options& options, const std::string& tag) {
   OdometryConfig config;
   config.use_imu = options.use_imu;
+  config.use_priors = options.use_priors;
+  const double heap_before = HeapMib();
   VisualOdometry odometry(config, recording.camera, recording.mounting);
+  Outcome out;
   std::vector<PoseEstimate> poses;
+  poses.reserve(recording.frames.size());
   std::vector<double> cpu;
+  cpu.reserve(recording.frames.size());
   double sgbm_s = 0.0;
   double odometry_s = 0.0;
   int num_sgbm = 0;
@@ -152,6 +169,7 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
                         ? odometry.Bridge(frame.frame_id, frame.t_capture, recording.samples[i], "no image")
                         : odometry.Track(frame, recording.samples[i]));
     cpu.push_back(CpuSeconds() - before);
+    if (i == recording.frames.size() / 4) out.heap_early_mib = HeapMib() - heap_before;
     odometry_s += cpu.back();
     if (options.sgbm && i % 8 == 0 && !frame.left.empty()) {
       cv::Mat left, right, disparity;
@@ -165,7 +183,7 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
     }
   }
 
-  Outcome out;
+  out.heap_mib = HeapMib() - heap_before;
   out.frames = static_cast<int>(poses.size());
   out.cpu_ms = 1e3 * odometry_s / out.frames;
   std::vector<double> sorted = cpu;
@@ -289,8 +307,9 @@ void Print(const std::string& title, const Outcome& o) {
   std::printf(" mean %.3f%% | NEES %.1f (r %.1f t %.1f) | cpu %.2f ms p99 %.1f max %.1f", o.mean_relative,
               o.nees, o.nees_rotation, o.nees_translation, o.cpu_ms, o.p99_ms, o.max_ms);
   if (o.sgbm_ratio > 0.0) std::printf(" sgbm/%.1f", o.sgbm_ratio);
-  std::printf(" | gravity %s %.2f deg (sigma %.2f) | %016zx\n", Name(o.gravity.source), o.gravity_error_deg,
-              180.0 / M_PI * o.gravity.sigma_rad, o.digest);
+  std::printf(" | heap %.1f %.1f MiB | gravity %s %.2f deg (sigma %.2f) | %016zx\n", o.heap_early_mib,
+              o.heap_mib, Name(o.gravity.source), o.gravity_error_deg, 180.0 / M_PI * o.gravity.sigma_rad,
+              o.digest);
   std::fflush(stdout);
 }
 
@@ -306,6 +325,8 @@ int main(int argc, char** argv) {
     const std::string argument = argv[i];
     if (argument == "--no-imu")
       options.use_imu = false;
+    else if (argument == "--no-priors")
+      options.use_priors = false;
     else if (argument == "--sgbm")
       options.sgbm = true;
     else if (argument == "--damage" && i + 1 < argc) {
@@ -322,7 +343,8 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);
   for (const std::string& path : sequences) {
     const Recording recording = Load(path);
-    const std::string name = recording.name + (options.use_imu ? "" : " no-imu");
+    const std::string name =
+        recording.name + (options.use_imu ? "" : " no-imu") + (options.use_priors ? "" : " no-priors");
     const Outcome undamaged = Run(recording, options, "");
     Print(name, undamaged);
     for (const std::string& damage : damages) {
