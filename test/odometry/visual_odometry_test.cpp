@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "odometry/imu_preintegration.h"
 #include "odometry/rotation.h"
 
 namespace terrace {
@@ -75,7 +76,7 @@ const TinyWorld& World() {
 }
 
 /// A bouncing walk: 2.5 cm a frame, with turns.
-Eigen::Isometry3d Walk(int frame) {
+Eigen::Isometry3d Walk(double frame) {
   Vector6d step;
   step << 0.02 * std::sin(0.9 * frame), 0.03 * std::sin(0.3 * frame), 0.01 * std::sin(0.5 * frame),
       0.01 * std::sin(0.4 * frame), 0.015 * std::sin(1.1 * frame), 0.025 * frame;
@@ -84,6 +85,63 @@ Eigen::Isometry3d Walk(int frame) {
 
 Eigen::Isometry3d FromStart(const PoseEstimate& first, const PoseEstimate& pose) {
   return first.T_world_left.inverse() * pose.T_world_left;
+}
+
+constexpr double kFrame_s = 0.066;
+constexpr std::int64_t kFrame_ns = 66'000'000;
+
+/// What an IMU in the left camera measures on the walk between a frame and the one before; y is down.
+SensorSamples ImuUpTo(int frame) {
+  constexpr int kSamples = 13;
+  SensorSamples samples;
+  for (int k = 1; k <= kSamples; ++k) {
+    const double at = frame - 1 + static_cast<double>(k) / kSamples;
+    constexpr double kStep = 0.01;  // frames
+    const Eigen::Isometry3d before = Walk(at - kStep), now = Walk(at), after = Walk(at + kStep);
+    ImuSample sample;
+    sample.t = Timestamp{1'000'000'000 + std::llround(at * static_cast<double>(kFrame_ns))};
+    sample.gyro = LogRotation(before.linear().transpose() * after.linear()) / (2 * kStep * kFrame_s);
+    const Eigen::Vector3d acceleration =
+        (after.translation() - 2 * now.translation() + before.translation()) / std::pow(kStep * kFrame_s, 2);
+    sample.accel = now.linear().transpose() * (acceleration - kGravityMagnitude * Eigen::Vector3d::UnitY());
+    samples.imu.push_back(sample);
+  }
+  return samples;
+}
+
+/// An IMU that sits in the left camera, and its noise.
+Mounting WithImu() {
+  Mounting mounting;
+  mounting.T_left_imu = Eigen::Isometry3d::Identity();
+  mounting.imu_noise = {1e-3, 1e-5, 1e-2, 1e-4};
+  return mounting;
+}
+
+/// Body x forward, y left, z up, in the camera's place.
+Mounting WithBody() {
+  Mounting mounting;
+  mounting.T_body_left = Eigen::Isometry3d::Identity();
+  mounting.T_body_left->linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return mounting;
+}
+
+/// What body attitude or legs say at a frame: true, in an odometry frame of their own that was turned at
+/// will.
+BodyPrior PriorAt(int frame, PriorKind kind) {
+  const Eigen::Isometry3d T_body_left = *WithBody().T_body_left;
+  BodyPrior prior;
+  prior.t = Timestamp{1'000'000'000 + frame * kFrame_ns};
+  prior.kind = kind;
+  prior.T_odom_body = Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(3, -2, 1) *
+                      T_body_left * Walk(frame) * T_body_left.inverse();
+  prior.covariance.diagonal().setConstant(1e-6);
+  return prior;
+}
+
+StereoFrame Black(StereoFrame frame) {
+  frame.left.setTo(2);
+  frame.right.setTo(2);
+  return frame;
 }
 
 double ErrorMm(const PoseEstimate& first, const PoseEstimate& pose, int frame) {
@@ -126,6 +184,77 @@ TEST(VisualOdometryTest, BridgesBlackFramesAndSaysSoAndFindsBack) {
     sigma_before = pose.covariance(5, 5);
   }
   EXPECT_LT(ErrorMm(first, pose, 19), 3.0);
+}
+
+TEST(VisualOdometryTest, KnowsWithAnImuWhereDownIsAndWalksOnThroughTheDark) {
+  VisualOdometry odometry({}, kCamera, WithImu());
+  PoseEstimate first;
+  for (int i = 0; i < 30; ++i) {
+    const StereoFrame frame = World().Frame(i, Walk(i));
+    const bool black = i >= 20 && i < 26;
+    const PoseEstimate pose = odometry.Track(black ? Black(frame) : frame, ImuUpTo(i));
+    if (i == 0) first = pose;
+    EXPECT_EQ(pose.status, black ? TrackingStatus::kBridging : TrackingStatus::kTracking) << "frame " << i;
+    EXPECT_LT(ErrorMm(first, pose, i), black ? 15.0 : 2.0) << "frame " << i;
+  }
+  EXPECT_EQ(odometry.gravity().source, GravitySource::kImu);
+  const Eigen::Vector3d down_left = first.T_world_left.linear().transpose() * odometry.gravity().down_world;
+  EXPECT_LT(std::acos(down_left.dot(Walk(0).linear().transpose() * Eigen::Vector3d::UnitY())), 0.02);
+}
+
+TEST(VisualOdometryTest, DoesWithoutAnImuThatTurnsOtherwiseThanTheImages) {
+  VisualOdometry odometry({}, kCamera, WithImu());
+  PoseEstimate first;
+  for (int i = 0; i < 40; ++i) {
+    SensorSamples samples = ImuUpTo(i);
+    for (ImuSample& sample : samples.imu) sample.gyro.y() += 2.0;
+    const PoseEstimate pose = odometry.Track(World().Frame(i, Walk(i)), samples);
+    if (i == 0) first = pose;
+    EXPECT_EQ(pose.status, TrackingStatus::kTracking) << "frame " << i;
+    EXPECT_LT(ErrorMm(first, pose, i), 20.0) << "frame " << i;
+  }
+  ASSERT_EQ(odometry.warnings().size(), 1u);
+  EXPECT_NE(odometry.warnings()[0].find("IMU"), std::string::npos);
+}
+
+TEST(VisualOdometryTest, TakesUpFromTheBodysAttitudeUnlessToldNotTo) {
+  for (const bool use_priors : {true, false}) {
+    OdometryConfig config;
+    config.use_priors = use_priors;
+    VisualOdometry odometry(config, kCamera, WithBody());
+    for (int i = 0; i < 6; ++i) {
+      SensorSamples samples;
+      samples.priors.push_back(PriorAt(i, PriorKind::kAttitude));
+      const PoseEstimate pose = odometry.Track(World().Frame(i, Walk(i)), samples);
+      const Eigen::Vector3d down_left =
+          pose.T_world_left.linear().transpose() * odometry.gravity().down_world;
+      if (use_priors) {
+        EXPECT_LT(std::acos(down_left.dot(Walk(i).linear().transpose() * Eigen::Vector3d::UnitY())), 0.003);
+      }
+    }
+    EXPECT_EQ(odometry.gravity().source, use_priors ? GravitySource::kAttitude : GravitySource::kMounting);
+  }
+}
+
+TEST(VisualOdometryTest, FollowsTheLegsThroughTheDark) {
+  double error_mm[2];
+  for (const bool use_priors : {true, false}) {
+    OdometryConfig config;
+    config.use_priors = use_priors;
+    VisualOdometry odometry(config, kCamera, WithBody());
+    PoseEstimate first, pose;
+    for (int i = 0; i < 16; ++i) {
+      SensorSamples samples;
+      samples.priors.push_back(PriorAt(i, PriorKind::kLegOdometry));
+      const StereoFrame frame = World().Frame(i, Walk(i));
+      pose = odometry.Track(i < 10 ? frame : Black(frame), samples);
+      if (i == 0) first = pose;
+    }
+    EXPECT_EQ(pose.status, TrackingStatus::kBridging);
+    error_mm[use_priors] = ErrorMm(first, pose, 15);
+  }
+  EXPECT_LT(error_mm[true], 3.0);
+  EXPECT_GT(error_mm[false], 10.0);
 }
 
 TEST(VisualOdometryTest, IsLostAfterBridgingTooLongAndFindsBackToItsKeyframes) {
