@@ -25,7 +25,7 @@ struct StaircaseConfig {
   /// Narrower rows of steps are clutter.
   double min_width_m = 0.4;
   /// Staircases of which less is sure are not told.
-  double min_confidence = 0.5;
+  double min_confidence = 0.7;
   /// How far a step may lie above or below where the common rise puts it.
   double height_tolerance_m = 0.035;
   /// How far an edge may lie before or behind where the common run puts it.
