@@ -56,7 +56,8 @@ Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibr
       matcher_(config.stereo),
       odometry_(config.odometry, rectifier_.camera(), mounting_),
       modeller_(config.modelling),
-      feedback_(config.flow.feedback_lag_frames) {
+      gravity_hints_(config.flow.feedback_lag_frames),
+      disparity_priors_(config.flow.feedback_lag_frames) {
   TERRACE_CHECK(self_mask.empty() || (self_mask.cols == camera().width && self_mask.rows == camera().height),
                 self_mask.cols, self_mask.rows);
   StartMap(1);
@@ -85,14 +86,16 @@ StereoFramePtr Pipeline::Rectify(const SensorFrame& sensors) {
 
 std::shared_ptr<const DisparityImage> Pipeline::Match(const StereoFramePtr& frame) {
   if (!frame) return nullptr;
+  std::shared_ptr<const DisparityPrior> prior;
+  if (config_.stereo.use_prior) prior = disparity_priors_.Take(frame->frame_id);
   return meters_["disparity"].Run(
-      [&] { return std::make_shared<const DisparityImage>(matcher_.Match(*frame)); });
+      [&] { return std::make_shared<const DisparityImage>(matcher_.Match(*frame, prior.get())); });
 }
 
 TrackedPose Pipeline::Track(const SensorFrame& sensors, const StereoFramePtr& frame) {
-  const Feedback feedback = feedback_.Take(sensors.frame_id);
+  const std::optional<GravityHint> gravity_hint = gravity_hints_.Take(sensors.frame_id);
   return meters_["odometry"].Run([&] {
-    if (feedback.gravity) odometry_.Apply(*feedback.gravity);
+    if (gravity_hint) odometry_.Apply(*gravity_hint);
     const PoseEstimate pose = frame ? odometry_.Track(*frame, sensors.samples)
                                     : odometry_.Bridge(sensors.frame_id, sensors.pair.t_capture,
                                                        sensors.samples, sensors.pair.problem);
@@ -111,25 +114,44 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   result.warnings = tracked.warnings;
   const TerrainMapPtr before = labeler_->map();
   if (reset_requested_.exchange(false)) StartMap(before->map_id + 1);
-  Feedback feedback;
+  std::optional<GravityHint> gravity_hint;
+  std::shared_ptr<const DisparityPrior> disparity_prior;
   // A bridged pose is a guess: it tells the robot where it is, but nothing is built on it.
   if (tracked.pose.status == TrackingStatus::kTracking && disparity) {
     const ChangedCells cells = meters_["decomposition"].Run([&] {
+      if (config_.stereo.use_prior) disparity_prior = ExpectDisparities(*disparity, tracked.pose);
       const Cloud cloud = Triangulate(*disparity, camera(), config_.cloud, self_mask_);
       return octree_->Insert(cloud, tracked.pose);
     });
     const PatchUpdate patches = meters_["modelling"].Run([&] { return modeller_.Fit(*octree_, cells); });
     const PolygonUpdate polygons = meters_["merging"].Run([&] { return merger_->Merge(patches); });
     meters_["labels"].Run([&] { return labeler_->Label(polygons, tracked.pose, tracked.gravity); });
-    feedback.gravity = GravityFromPlanes(polygons, tracked.pose, tracked.gravity);
+    gravity_hint = GravityFromPlanes(polygons, tracked.pose, tracked.gravity);
   }
-  feedback_.Post(tracked.pose.frame_id, feedback);
+  gravity_hints_.Post(tracked.pose.frame_id, gravity_hint);
+  if (config_.stereo.use_prior) disparity_priors_.Post(tracked.pose.frame_id, std::move(disparity_prior));
+  if (tracked.pose.status == TrackingStatus::kTracking) last_tracked_ = tracked.pose;
 
   result.map = labeler_->map();
   CompareMaps(*before, *result.map, &result);
   result.map_cells = octree_->num_occupied_leaves();
   result.map_bytes = octree_->memory_bytes() + merger_->memory_bytes();
   return result;
+}
+
+std::shared_ptr<const DisparityPrior> Pipeline::ExpectDisparities(const DisparityImage& disparity,
+                                                                  const PoseEstimate& pose) const {
+  if (!last_tracked_ || last_tracked_->frame_id + 1 != pose.frame_id) return nullptr;
+  // As the camera has moved since the frame before, so it will go on.
+  const Eigen::Isometry3d T_next_now = pose.T_world_left.inverse() * last_tracked_->T_world_left;
+  Eigen::Isometry3d T_then_now = T_next_now;
+  for (int i = 1; i < config_.flow.feedback_lag_frames; ++i) T_then_now = T_then_now * T_next_now;
+  return std::make_shared<const DisparityPrior>(PredictDisparities(disparity, camera(), T_then_now));
+}
+
+void Pipeline::CloseFeedback() {
+  gravity_hints_.Close();
+  disparity_priors_.Close();
 }
 
 }  // namespace terrace

@@ -70,10 +70,14 @@ class Pipeline {
   const std::optional<Eigen::Isometry3d>& T_body_left() const { return mounting_.T_body_left; }
   const Gravity& gravity() const { return odometry_.gravity(); }
   StageMeters& meters() { return meters_; }
-  FeedbackExchange& feedback() { return feedback_; }
+  /// No step is left waiting for what a later one learns.
+  void CloseFeedback();
 
  private:
   void StartMap(std::int64_t map_id);
+  /// Of the frame that will use it; null where the motion is not known.
+  std::shared_ptr<const DisparityPrior> ExpectDisparities(const DisparityImage& disparity,
+                                                          const PoseEstimate& pose) const;
 
   PipelineConfig config_;
   Rectifier rectifier_;
@@ -86,7 +90,9 @@ class Pipeline {
   std::unique_ptr<PolygonMerger> merger_;
   std::unique_ptr<TerrainLabeler> labeler_;
   std::size_t num_warnings_ = 0;  // of the odometry, given out so far; of the thread that tracks
-  FeedbackExchange feedback_;
+  FeedbackExchange<std::optional<GravityHint>> gravity_hints_;
+  FeedbackExchange<std::shared_ptr<const DisparityPrior>> disparity_priors_;  // only with stereo.use_prior
+  std::optional<PoseEstimate> last_tracked_;                                  // of the thread that maps
   StageMeters meters_;
   std::atomic<bool> reset_requested_{false};
 };

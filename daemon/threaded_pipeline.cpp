@@ -64,7 +64,7 @@ void ThreadedPipeline::CloseAll() {
   to_track_.Close();
   to_map_.Close();
   poses_.Close();
-  pipeline_->feedback().Close();
+  pipeline_->CloseFeedback();
 }
 
 bool ThreadedPipeline::Push(SensorFrame sensors) { return input_.Push(std::move(sensors)); }

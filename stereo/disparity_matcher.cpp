@@ -72,6 +72,8 @@ std::vector<std::string> DisparityConfig::Problems() const {
   need(uniqueness_percent >= 0 && uniqueness_percent <= 100, "uniqueness_percent must lie between 0 and 100");
   need(max_left_right_error_px >= 0.0, "max_left_right_error_px must not be negative");
   need(min_piece_px >= 0, "min_piece_px must not be negative");
+  need(prior_margin_px >= 1 && prior_margin_px <= 256, "prior_margin_px must lie between 1 and 256");
+  need(prior_full_every_frames >= 1, "prior_full_every_frames must be at least 1");
   return problems;
 }
 
@@ -84,9 +86,9 @@ class DisparityMatcher::Impl {
         edges_({.rounds = 1}),
         refiner_({.iterations = config.tier == "fast" ? 1 : 2}) {}
 
-  DisparityImage Match(const StereoFrame& frame) {
+  DisparityImage Match(const StereoFrame& frame, const DisparityPrior* prior) {
     DisparityImage result{frame.frame_id, frame.t_capture, {}, {}};
-    MatchHalved(frame, result.disparity_px);
+    MatchHalved(frame, prior, result.disparity_px);
     if (config_.tier == "quality") MatchAgain(frame, result.disparity_px);
     edges_.Sharpen(frame.left, frame.right, result.disparity_px);
     refiner_.Refine(frame.left, frame.right, result.disparity_px, &result.sigma_px);
@@ -94,6 +96,49 @@ class DisparityMatcher::Impl {
   }
 
  private:
+  /// What a prior says of the halved images.
+  ExpectedDisparities Expect(const DisparityPrior* prior, const StereoFrame& frame,
+                             int num_disparities) const {
+    ExpectedDisparities expected;
+    if (!prior || !config_.use_prior) return expected;
+    expected.tile_px = DisparityPrior::kTilePx / 2;
+    expected.columns = prior->columns;
+    for (const DisparityPrior::Range& tile : prior->tiles) expected.known.push_back(tile.known());
+    const int rows_per_strip = half_matcher_.rows_per_strip() / expected.tile_px;
+    for (int top = 0; top < prior->rows; top += rows_per_strip) {
+      const int bottom = std::min(top + rows_per_strip, prior->rows);
+      // Neighbours have their turns far apart.
+      const auto turn = static_cast<FrameId>(5 * expected.strips.size());
+      const bool its_turn = (frame.frame_id + turn) % config_.prior_full_every_frames == 0;
+      expected.strips.push_back(its_turn ? SearchRange{0, num_disparities}
+                                         : RangeOf(*prior, top, bottom, num_disparities));
+    }
+    return expected;
+  }
+
+  /// All that is expected in rows [top, bottom) of tiles, and the margin.
+  SearchRange RangeOf(const DisparityPrior& prior, int top, int bottom, int num_disparities) const {
+    float low_px = std::numeric_limits<float>::infinity(), high_px = -low_px;
+    for (int row = top; row < bottom; ++row)
+      for (int column = 0; column < prior.columns; ++column) {
+        const DisparityPrior::Range& tile = prior.At(row, column);
+        if (!tile.known()) continue;
+        low_px = std::min(low_px, tile.low_px);
+        high_px = std::max(high_px, tile.high_px);
+      }
+    if (low_px > high_px) return {0, num_disparities};
+    const auto scaled = [&](float d) {
+      const double limit = num_disparities - 1;
+      return static_cast<int>(std::clamp<double>(std::floor(d / 2), 0.0, limit));
+    };
+    const auto margin_px = static_cast<float>(config_.prior_margin_px);
+    const int last = scaled(high_px + margin_px);
+    // Vectors are full when the number of disparities is a multiple of 32.
+    const int first = scaled(low_px - margin_px) / kRangeStep * kRangeStep;
+    const int count = std::min((last - first + 32) / 32 * 32, num_disparities);
+    return {std::min(first, (num_disparities - count) / kRangeStep * kRangeStep), count};
+  }
+
   /// Full resolution, near what the halved images show.
   void MatchAgain(const StereoFrame& frame, cv::Mat1f& disparity) {
     FillFromFurther(disparity);
@@ -103,12 +148,12 @@ class DisparityMatcher::Impl {
   }
 
   /// The work of the first rounds costs a quarter at half the size, and sees twice as far.
-  void MatchHalved(const StereoFrame& frame, cv::Mat1f& disparity) {
+  void MatchHalved(const StereoFrame& frame, const DisparityPrior* prior, cv::Mat1f& disparity) {
     HalveImage(frame.left, half_left_);
     HalveImage(frame.right, half_right_);
     // Wide vectors take 64 disparities faster than 48.
     const int range = config_.max_disparity_px <= 32 ? 16 : (config_.max_disparity_px / 2 + 31) / 32 * 32;
-    half_matcher_.Match(half_left_, half_right_, range, half_disparity_);
+    half_matcher_.Match(half_left_, half_right_, range, half_disparity_, Expect(prior, frame, range));
     if (2 * range > config_.max_disparity_px)
       half_disparity_.setTo(kUnknown, half_disparity_ > 0.5 * config_.max_disparity_px);
     RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
@@ -136,10 +181,14 @@ DisparityMatcher::DisparityMatcher(const DisparityConfig& config) {
 }
 DisparityMatcher::~DisparityMatcher() = default;
 
-DisparityImage DisparityMatcher::Match(const StereoFrame& frame) {
+DisparityImage DisparityMatcher::Match(const StereoFrame& frame, const DisparityPrior* prior) {
   TERRACE_CHECK(!frame.left.empty() && frame.left.size() == frame.right.size(), frame.left.cols,
                 frame.left.rows, frame.right.cols, frame.right.rows);
-  return impl_->Match(frame);
+  if (prior) {
+    const DisparityPrior whole(frame.left.cols, frame.left.rows);
+    TERRACE_CHECK(prior->rows == whole.rows && prior->columns == whole.columns, prior->rows, prior->columns);
+  }
+  return impl_->Match(frame, prior);
 }
 
 }  // namespace terrace

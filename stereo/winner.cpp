@@ -157,7 +157,7 @@ WinnerChooser::WinnerChooser(const WinnerRules& rules) : rules_(rules) {
 void WinnerChooser::Choose(const SumsRow& row, float* disparity) {
   const int n = row.num_disparities;
   const std::size_t padded_width = static_cast<std::size_t>((row.width + 15) / 16 * 16 + kPadding);
-  bytes_.resize(5 * padded_width);
+  bytes_.resize(kNumBytes * padded_width);
   const WinnersRow winners = {bytes_.data(), bytes_.data() + padded_width, bytes_.data() + 2 * padded_width,
                               bytes_.data() + 3 * padded_width, bytes_.data() + 4 * padded_width};
   HWY_DYNAMIC_DISPATCH(FindWinnersOfRow)(row, limit_of_sum_.data(), winners);

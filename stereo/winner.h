@@ -41,7 +41,12 @@ class WinnerChooser {
   /// right image.
   void Choose(const SumsRow& row, float* disparity);
 
+  /// The best sum of each pixel of the row before, whether or not it was then kept.
+  const std::uint8_t* best_sums() const { return bytes_.data() + bytes_.size() / kNumBytes; }
+
  private:
+  static constexpr std::size_t kNumBytes = 5;  // of a winner
+
   WinnerRules rules_;
   std::array<std::uint8_t, 256> limit_of_sum_;  ///< that a rival must exceed
   std::vector<std::uint8_t> bytes_;             ///< of the winners

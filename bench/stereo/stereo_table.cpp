@@ -2,8 +2,8 @@
 // Ours and OpenCV's dense stereo over pairs with truth, in one interleaved run, by the evaluator's
 // definitions:
 //     TERRACE_DATA=... stereo_table [PART...] [--each] [--dump DIR]
-// PART: v3 old (Middlebury), stairs (recording), up down dark sheets (rendered here), speed, threads; none:
-// all. Settings to try come from the environment: CENSUS P1 P2MIN P2MAX UNIQ, as in DisparityConfig.
+// PART: v3 old (Middlebury), stairs (recording), up down dark sheets (rendered here), speed, threads, prior;
+// none: all. Settings to try come from the environment: CENSUS P1 P2MIN P2MAX UNIQ, as in DisparityConfig.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -269,6 +269,61 @@ void Threads(const StereoFrame& frame, const std::vector<Method>& methods) {
   }
 }
 
+/// A walk with and without a prior. It comes from the disparities of the frame before the last and the motion
+/// between the two before that, as in the pipeline; the poses are the true ones.
+void Prior(const Walk& walk, const Method& reference) {
+  constexpr int kLag = 2;
+  for (const std::string tier : {"fast", "quality"}) {
+    DisparityConfig config;
+    config.tier = tier;
+    DisparityMatcher plain(config);
+    config.use_prior = true;
+    config.prior_margin_px = Env("MARGIN", config.prior_margin_px);
+    config.prior_full_every_frames = Env("EVERY", config.prior_full_every_frames);
+    DisparityMatcher narrowed(config);
+    std::vector<DisparityImage> results;
+    DisparityErrors errors[2];
+    double cpu_ms[2] = {0.0, 0.0}, prediction_ms = 0.0;
+    std::vector<double> reference_ms;
+    for (std::size_t k = 0; k < walk.frames.size(); ++k) {
+      const Walk::Frame& frame = walk.frames[k];
+      DisparityPrior prior(walk.camera.width, walk.camera.height);
+      const double start = CpuMs();
+      if (k > kLag) {
+        const Eigen::Isometry3d& T_world_earlier = walk.frames[k - kLag].T_world_left;
+        const Eigen::Isometry3d T_earlier_before =
+            T_world_earlier.inverse() * walk.frames[k - kLag - 1].T_world_left;
+        Eigen::Isometry3d T_now_earlier = T_earlier_before;
+        for (int i = 1; i < kLag; ++i) T_now_earlier = T_now_earlier * T_earlier_before;
+        prior = PredictDisparities(results[k - kLag], walk.camera, T_now_earlier);
+      }
+      const double predicted = CpuMs();
+      if (k >= kLag) results[k - kLag] = {};
+      results.push_back(narrowed.Match(frame.frame, &prior));
+      const double with_prior = CpuMs();
+      const DisparityImage without = plain.Match(frame.frame);
+      const double n = static_cast<double>(walk.frames.size());
+      prediction_ms += (predicted - start) / n;
+      cpu_ms[0] += (with_prior - predicted) / n;
+      cpu_ms[1] += (CpuMs() - with_prior) / n;
+      if (!frame.truth) continue;
+      const double start_of_reference = CpuMs();
+      reference.match(frame.frame, config.max_disparity_px);
+      reference_ms.push_back(CpuMs() - start_of_reference);
+      errors[0].Add(ToFloatImage(results.back().disparity_px), frame.truth->disparity);
+      errors[1].Add(ToFloatImage(without.disparity_px), frame.truth->disparity);
+    }
+    const double ms = cpu_ms[0] + prediction_ms;
+    std::printf(
+        "%s on a walk: %.2f ms with a prior (%.2f ms of it to predict), %.2f ms without: x %.2f; 1/%.1f of "
+        "%s\n",
+        tier.c_str(), ms, prediction_ms, cpu_ms[1], ms / cpu_ms[1], QuantileOf(reference_ms, 0.5) / ms,
+        reference.name.c_str());
+    PrintLine("  with", tier, errors[0]);
+    PrintLine("  without", tier, errors[1]);
+  }
+}
+
 }  // namespace
 }  // namespace terrace
 
@@ -308,5 +363,6 @@ int main(int argc, char** argv) {
   if (wanted("down")) Run(RenderScene("stairs_down", 1.0, 1.0, 16), methods, dump, each);
   if (wanted("dark")) Run(RenderScene("corridor_poor_texture", 0.2, 1.0, 16), methods, dump, each);
   if (wanted("sheets")) Run(RenderScene("sheets", 1.0, 0.5, 6), methods, dump, each);
+  if (wanted("prior")) Prior(ReadWalk(stairs), methods[0]);
   if (wanted("speed")) Speed(ReadRendered("stairs", stairs, 100).pairs[0].frame, methods);
 }

@@ -84,31 +84,39 @@ TruthSet ReadMiddlebury2001To2003(const fs::path& data) {
   return set;
 }
 
-TruthSet ReadRendered(const std::string& name, const fs::path& sequence, int stride) {
+Walk ReadWalk(const fs::path& sequence) {
   const std::map<Timestamp, fs::path> depths = TrueDepthImages(sequence), labels = TrueLabelImages(sequence);
-  const auto frames = OpenSequence(sequence);
-  const Rectifier rectifier(frames->info().calibration);
+  const TrueScene scene = LoadTrueScene(sequence);
+  const auto recording = OpenSequence(sequence);
+  const Rectifier rectifier(recording->info().calibration);
   ResultCamera camera;
   camera.camera = rectifier.camera();
   const std::vector<TimedPose> poses = TrueLeftPoses(LoadTrueTrajectory(sequence), camera);
-  TruthSet set{name, {}, LoadTrueScene(sequence), camera.camera};
-  int num_depths = 0;
-  while (const std::optional<SensorFrame> sensors = frames->Next()) {
-    const StereoPair& images = sensors->pair;
-    const auto depth = depths.find(images.t_capture);
-    if (depth == depths.end() || num_depths++ % stride != 0) continue;
-    TruthPair pair;
-    pair.name = depth->second.stem();
-    pair.max_disparity_px = kRenderedRange_px;
-    pair.frame = Rectifier(frames->info().calibration).Rectify(sensors->frame_id, images);
-    pair.T_world_left = MatchPoses({{images.t_capture, {}}}, poses).at(0).T_true_left;
-    pair.truth = LoadRenderedTruth(depth->second, labels.at(images.t_capture), set.scene, set.camera,
-                                   pair.T_world_left);
-    DisparityTruth& truth = pair.truth.disparity;
-    for (std::size_t i = 0; i < truth.pixels.size(); ++i)
-      if (truth.disparity_px.data[i] > kRenderedRange_px - 1) truth.pixels[i] = PixelTruth::kNotKnown;
-    set.pairs.push_back(std::move(pair));
+  Walk walk{{}, camera.camera};
+  while (const std::optional<SensorFrame> sensors = recording->Next()) {
+    const Timestamp t = sensors->pair.t_capture;
+    Walk::Frame frame;
+    frame.frame = rectifier.Rectify(static_cast<FrameId>(walk.frames.size()), sensors->pair);
+    frame.T_world_left = MatchPoses({{t, {}}}, poses).at(0).T_true_left;
+    if (depths.contains(t)) {
+      frame.truth = LoadRenderedTruth(depths.at(t), labels.at(t), scene, camera.camera, frame.T_world_left);
+      DisparityTruth& truth = frame.truth->disparity;
+      for (std::size_t i = 0; i < truth.pixels.size(); ++i)
+        if (truth.disparity_px.data[i] > kRenderedRange_px - 1) truth.pixels[i] = PixelTruth::kNotKnown;
+    }
+    walk.frames.push_back(std::move(frame));
   }
+  return walk;
+}
+
+TruthSet ReadRendered(const std::string& name, const fs::path& sequence, int stride) {
+  Walk walk = ReadWalk(sequence);
+  TruthSet set{name, {}, LoadTrueScene(sequence), walk.camera};
+  int num_truths = 0;
+  for (Walk::Frame& frame : walk.frames)
+    if (frame.truth && num_truths++ % stride == 0)
+      set.pairs.push_back({std::to_string(frame.frame.t_capture.ns), frame.frame, kRenderedRange_px,
+                           std::move(*frame.truth), frame.T_world_left});
   return set;
 }
 

@@ -41,6 +41,18 @@ TruthSet ReadMiddlebury2001To2003(const std::filesystem::path& data);
 /// 128 px goes is blindness, not error: it counts nowhere.
 TruthSet ReadRendered(const std::string& name, const std::filesystem::path& sequence, int stride);
 
+/// A walk frame by frame, with its true poses; what is true of the images is known of some.
+struct Walk {
+  struct Frame {
+    StereoFrame frame;
+    Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
+    std::optional<RenderedTruth> truth;
+  };
+  std::vector<Frame> frames;
+  StereoCamera camera;
+};
+Walk ReadWalk(const std::filesystem::path& sequence);
+
 /// A scene of the synthetic world, rendered into a temporary folder that is gone afterwards.
 /// @param rate_hz  low: few frames from all over the walk
 TruthSet RenderScene(const std::string& scene, double gain, double rate_hz, int max_frames);

@@ -13,9 +13,10 @@
 namespace terrace {
 namespace {
 
-PipelineConfig TinyConfig() {
+PipelineConfig TinyConfig(bool use_prior = false) {
   PipelineConfig config;
-  config.stereo.max_disparity_px = 64;
+  config.stereo.max_disparity_px = use_prior ? 128 : 64;  // enough to be narrowed
+  config.stereo.use_prior = use_prior;
   return config;
 }
 
@@ -29,17 +30,18 @@ std::string Describe(const FrameResult& result) {
   return text.str();
 }
 
-std::vector<std::string> InOneThread(const std::vector<SensorFrame>& frames) {
+std::vector<std::string> InOneThread(const std::vector<SensorFrame>& frames, const PipelineConfig& config) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-  Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {});
+  Pipeline pipeline(config, test::TinyCalibration(), {});
   std::vector<std::string> results;
   for (const SensorFrame& frame : frames) results.push_back(Describe(pipeline.Process(frame)));
   return results;
 }
 
-std::vector<std::string> OnThreads(const std::vector<SensorFrame>& frames, std::size_t num_threads) {
+std::vector<std::string> OnThreads(const std::vector<SensorFrame>& frames, const PipelineConfig& config,
+                                   std::size_t num_threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, num_threads);
-  Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {});
+  Pipeline pipeline(config, test::TinyCalibration(), {});
   std::vector<std::string> results;
   ThreadedPipeline threads(&pipeline, WhenFull::kWait, [&](const SensorFrame&, const FrameResult& result) {
     results.push_back(Describe(result));
@@ -53,11 +55,19 @@ TEST(ThreadedPipelineTest, GivesTheSameBitsAsOneThreadAndMapsTheFloor) {
   std::vector<SensorFrame> frames = test::TinySequence(10);
   frames[5].pair = {
       .t_capture = frames[5].pair.t_capture, .left = {}, .right = {}, .problem = "5.png: is truncated"};
-  const std::vector<std::string> expected = InOneThread(frames);
-  EXPECT_EQ(OnThreads(frames, 1), expected);
-  EXPECT_EQ(OnThreads(frames, 3), expected);
+  const std::vector<std::string> expected = InOneThread(frames, TinyConfig());
+  EXPECT_EQ(OnThreads(frames, TinyConfig(), 1), expected);
+  EXPECT_EQ(OnThreads(frames, TinyConfig(), 3), expected);
   EXPECT_NE(expected[5].find("bridging 5.png: is truncated"), std::string::npos) << expected[5];
   EXPECT_NE(expected.back().find("\"outline\""), std::string::npos) << "the map is empty";
+}
+
+TEST(ThreadedPipelineTest, GivesTheSameBitsWhereTheMatcherUsesAPrior) {
+  const std::vector<SensorFrame> frames = test::TinySequence(8);
+  const PipelineConfig config = TinyConfig(true);
+  const std::vector<std::string> expected = InOneThread(frames, config);
+  EXPECT_EQ(OnThreads(frames, config, 1), expected);
+  EXPECT_EQ(OnThreads(frames, config, 3), expected);
 }
 
 TEST(ThreadedPipelineTest, WhatASinkThrowsEndsThePipelineAndReachesFinish) {

@@ -28,9 +28,10 @@ TEST(DisparityConfigTest, ListsEveryProblemAtOnce) {
   config.max_disparity_px = 100;
   config.tier = "best";
   config.large_step_penalty = 51;
+  config.prior_full_every_frames = 0;
   EXPECT_THAT(config.Problems(),
               ElementsAre(HasSubstr("max_disparity_px is 100"), HasSubstr("tier is \"best\""),
-                          HasSubstr("large_step_penalty <= 50")));
+                          HasSubstr("large_step_penalty <= 50"), HasSubstr("prior_full_every_frames")));
   EXPECT_THROW(DisparityMatcher{config}, std::invalid_argument);
 }
 
@@ -106,6 +107,106 @@ TEST_P(DisparityMatcherTest, RefusesImagesOfUnequalSize) {
   frame.left.create(20, 20);
   frame.right.create(20, 21);
   EXPECT_THROW(matcher.Match(frame), CheckError);
+}
+
+/// A prior that says the same of the whole image.
+DisparityPrior Everywhere(const StereoFrame& frame, float low_px, float high_px) {
+  DisparityPrior prior(frame.left.cols, frame.left.rows);
+  for (DisparityPrior::Range& tile : prior.tiles) tile = {low_px, high_px};
+  return prior;
+}
+
+bool SameBits(const DisparityImage& a, const DisparityImage& b) {
+  const auto same = [](const cv::Mat1f& x, const cv::Mat1f& y) {
+    return x.size() == y.size() && std::memcmp(x.data, y.data, x.total() * sizeof(float)) == 0;
+  };
+  return same(a.disparity_px, b.disparity_px) && same(a.sigma_px, b.sigma_px);
+}
+
+DisparityConfig WithPrior(const std::string& tier, int full_every_frames) {
+  DisparityConfig config = Tier(tier, 128);
+  config.use_prior = true;
+  config.prior_full_every_frames = full_every_frames;
+  return config;
+}
+constexpr int kNever = 1000000;
+
+TEST_P(DisparityMatcherTest, ARightPriorChangesLittle) {
+  StereoFrame frame = RenderPlane(300, 160, {50.0, 0.01, 0.02});
+  frame.frame_id = 1;  // the turn of none of the strips
+  const DisparityPrior prior = Everywhere(frame, 50.0f, 57.0f);
+  const DisparityImage with = DisparityMatcher(WithPrior(GetParam(), kNever)).Match(frame, &prior);
+  const DisparityImage without = DisparityMatcher(Tier(GetParam(), 128)).Match(frame);
+  int num_known = 0, num_differ = 0;
+  for (int i = 0; i < static_cast<int>(frame.left.total()); ++i) {
+    num_known += !std::isnan(without.disparity_px(i));
+    num_differ += !(std::abs(with.disparity_px(i) - without.disparity_px(i)) < 0.1f) &&
+                  !std::isnan(without.disparity_px(i));
+  }
+  EXPECT_LT(num_differ, 0.02 * num_known);
+}
+
+TEST_P(DisparityMatcherTest, AWrongPriorChangesNothing) {
+  StereoFrame frame = RenderPlane(300, 160, {50.0, 0.01, 0.02});
+  frame.frame_id = 1;
+  const DisparityImage without = DisparityMatcher(Tier(GetParam(), 128)).Match(frame);
+  for (const float low_px : {0.0f, 90.0f}) {
+    const DisparityPrior prior = Everywhere(frame, low_px, low_px + 5.0f);
+    EXPECT_TRUE(SameBits(DisparityMatcher(WithPrior(GetParam(), kNever)).Match(frame, &prior), without));
+  }
+}
+
+TEST_P(DisparityMatcherTest, IgnoresAPriorThatTheSettingsDoNotAskFor) {
+  const StereoFrame frame = RenderPlane(160, 96, {20.0, 0.01, 0.02});
+  const DisparityPrior prior = Everywhere(frame, 18.0f, 24.0f);
+  EXPECT_TRUE(SameBits(DisparityMatcher(Tier(GetParam(), 128)).Match(frame, &prior),
+                       DisparityMatcher(Tier(GetParam(), 128)).Match(frame)));
+}
+
+/// A wall at 8 px with a square of `side` pixels at 72 px before it.
+StereoFrame WallWithSquare(int side) {
+  StereoFrame frame = RenderPlane(300, 160, {8.0, 0.0, 0.0});
+  const StereoFrame near = RenderPlane(300, 160, {72.0, 0.0, 0.0}, {}, 5);
+  const cv::Rect in_left(180, 80, side, side), in_right(180 - 72, 80, side, side);
+  near.left(in_left).copyTo(frame.left(in_left));
+  near.right(in_right).copyTo(frame.right(in_right));
+  return frame;
+}
+
+bool FindsSquare(const DisparityImage& image, int side) {
+  return std::abs(image.disparity_px(80 + side / 2, 180 + side / 2) - 72.0f) < 1.0f;
+}
+
+TEST_P(DisparityMatcherTest, FindsWhatIsNewAndNearAtOnceWhenItFillsATile) {
+  StereoFrame frame = WallWithSquare(64);
+  frame.frame_id = 1;
+  const DisparityPrior prior = Everywhere(frame, 8.0f, 8.0f);
+  EXPECT_TRUE(FindsSquare(DisparityMatcher(WithPrior(GetParam(), kNever)).Match(frame, &prior), 64));
+}
+
+TEST_P(DisparityMatcherTest, FindsWhatIsNewAndSmallWhenTheTurnComesAndNotBefore) {
+  constexpr int kFullEvery = 4, kSide = 24;
+  StereoFrame frame = WallWithSquare(kSide);
+  DisparityMatcher matcher(WithPrior(GetParam(), kFullEvery));
+  ASSERT_TRUE(FindsSquare(matcher.Match(frame), kSide)) << "without a prior";
+  const DisparityPrior prior = Everywhere(frame, 8.0f, 8.0f);
+  int num_found = 0;
+  for (frame.frame_id = 5; frame.frame_id < 5 + kFullEvery; ++frame.frame_id)
+    num_found += FindsSquare(matcher.Match(frame, &prior), kSide);
+  EXPECT_EQ(num_found, 1);
+}
+
+TEST_P(DisparityMatcherTest, GivesTheSameBitsWithAPriorForAnyNumberOfThreadsAndOnEveryTarget) {
+  StereoFrame frame = WallWithSquare(40);
+  frame.frame_id = 3;
+  const DisparityPrior prior = Everywhere(frame, 6.0f, 9.0f);
+  const auto match = [&] { return DisparityMatcher(WithPrior(GetParam(), 16)).Match(frame, &prior); };
+  const DisparityImage first = match();
+  for (const int num_threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, num_threads);
+    EXPECT_TRUE(SameBits(match(), first));
+  }
+  OnEveryTarget([&] { EXPECT_TRUE(SameBits(match(), first)); });
 }
 
 INSTANTIATE_TEST_SUITE_P(Tiers, DisparityMatcherTest, testing::Values("fast", "quality"),
