@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -72,6 +73,8 @@ std::vector<std::string> DisparityConfig::Problems() const {
   need(uniqueness_percent >= 0 && uniqueness_percent <= 100, "uniqueness_percent must lie between 0 and 100");
   need(max_left_right_error_px >= 0.0, "max_left_right_error_px must not be negative");
   need(min_piece_px >= 0, "min_piece_px must not be negative");
+  need(roi_left_px >= 0 && roi_top_px >= 0 && roi_width_px >= 0 && roi_height_px >= 0,
+       "roi_left_px, roi_top_px, roi_width_px and roi_height_px must not be negative");
   need(prior_margin_px >= 1 && prior_margin_px <= 256, "prior_margin_px must lie between 1 and 256");
   need(prior_full_every_frames >= 1, "prior_full_every_frames must be at least 1");
   return problems;
@@ -87,6 +90,48 @@ class DisparityMatcher::Impl {
         refiner_({.iterations = config.tier == "fast" ? 1 : 2}) {}
 
   DisparityImage Match(const StereoFrame& frame, const DisparityPrior* prior) {
+    const cv::Rect image({0, 0}, frame.left.size());
+    const cv::Rect region = RegionIn(image);
+    return region == image ? MatchAll(frame, prior) : MatchRegion(frame, prior, region);
+  }
+
+ private:
+  cv::Rect RegionIn(const cv::Rect& image) const {
+    const int width = config_.roi_width_px > 0 ? config_.roi_width_px : image.width;
+    const int height = config_.roi_height_px > 0 ? config_.roi_height_px : image.height;
+    const int left = std::min(config_.roi_left_px, image.width),
+              top = std::min(config_.roi_top_px, image.height);
+    return {left, top, std::min(width, image.width - left), std::min(height, image.height - top)};
+  }
+
+  /// Matches a cut of the images that has all that the region needs around it.
+  DisparityImage MatchRegion(const StereoFrame& frame, const DisparityPrior* prior, const cv::Rect& region) {
+    constexpr int kTilePx = DisparityPrior::kTilePx;
+    DisparityImage result{frame.frame_id, frame.t_capture, cv::Mat1f(frame.left.size(), kUnknown),
+                          cv::Mat1f(frame.left.size(), kUnknown)};
+    if (region.empty()) return result;
+    // From whole tiles on, so that a prior can be cut, too.
+    const int left = std::max(region.x - kAroundRegionPx - config_.max_disparity_px, 0) / kTilePx * kTilePx;
+    const int top = std::max(region.y - kAroundRegionPx, 0) / kTilePx * kTilePx;
+    const int right = std::min(region.br().x + kAroundRegionPx, frame.left.cols);
+    const int bottom = std::min(region.br().y + kAroundRegionPx, frame.left.rows);
+    const cv::Rect cut(left, top, right - left, bottom - top);
+    StereoFrame part{frame.frame_id, frame.t_capture, frame.left(cut).clone(), frame.right(cut).clone()};
+    std::optional<DisparityPrior> part_prior;
+    if (prior) {
+      part_prior.emplace(cut.width, cut.height);
+      for (int row = 0; row < part_prior->rows; ++row)
+        for (int column = 0; column < part_prior->columns; ++column)
+          part_prior->At(row, column) = prior->At(row + top / kTilePx, column + left / kTilePx);
+    }
+    const DisparityImage found = MatchAll(part, part_prior ? &*part_prior : nullptr);
+    const cv::Rect in_part = region - cut.tl();
+    found.disparity_px(in_part).copyTo(result.disparity_px(region));
+    found.sigma_px(in_part).copyTo(result.sigma_px(region));
+    return result;
+  }
+
+  DisparityImage MatchAll(const StereoFrame& frame, const DisparityPrior* prior) {
     DisparityImage result{frame.frame_id, frame.t_capture, {}, {}};
     MatchHalved(frame, prior, result.disparity_px);
     if (config_.tier == "quality") MatchAgain(frame, result.disparity_px);
@@ -95,7 +140,6 @@ class DisparityMatcher::Impl {
     return result;
   }
 
- private:
   /// What a prior says of the halved images.
   ExpectedDisparities Expect(const DisparityPrior* prior, const StereoFrame& frame,
                              int num_disparities) const {
@@ -162,7 +206,8 @@ class DisparityMatcher::Impl {
     DoubleDisparity(half_disparity_, disparity);
   }
 
-  static constexpr float kMaxSlope = 2.0f;  // pixels of disparity between neighbours of one piece
+  static constexpr int kAroundRegionPx = 32;  // from which paths and windows reach into a region
+  static constexpr float kMaxSlope = 2.0f;    // pixels of disparity between neighbours of one piece
 
   DisparityConfig config_;
   SemiGlobalMatcher half_matcher_, full_matcher_;

@@ -33,6 +33,16 @@ struct DisparityConfig {
   double max_left_right_error_px = 1.0;
   /// Connected pieces smaller than this are thrown away.
   int min_piece_px = 100;
+  /// Region of interest: the rectangle of the rectified left image that is matched; the rest stays unknown,
+  /// and costs nothing but the columns on the left that the right image needs. What lies outside of the image
+  /// does not count.
+  int roi_left_px = 0;
+  /// Its first row.
+  int roi_top_px = 0;
+  /// Its width; 0: as far as the image goes.
+  int roi_width_px = 0;
+  /// Its height; 0: as far as the image goes.
+  int roi_height_px = 0;
   /// Search each strip of rows first where an earlier frame, moved to the present, says that something is,
   /// and from end to end only where that is not found, or in turn. Saves time only on processors with short
   /// vectors.

@@ -209,6 +209,53 @@ TEST_P(DisparityMatcherTest, GivesTheSameBitsWithAPriorForAnyNumberOfThreadsAndO
   OnEveryTarget([&] { EXPECT_TRUE(SameBits(match(), first)); });
 }
 
+TEST_P(DisparityMatcherTest, MatchesNothingButTheRegionOfInterest) {
+  const StereoFrame frame = RenderPlane(300, 161, {20.0, 0.01, 0.05});
+  DisparityConfig config = Tier(GetParam(), 64);
+  const DisparityImage whole = DisparityMatcher(config).Match(frame);
+  config.roi_left_px = 171;
+  config.roi_top_px = 57;
+  config.roi_width_px = 81;
+  config.roi_height_px = 60;
+  const DisparityImage part = DisparityMatcher(config).Match(frame);
+  ASSERT_EQ(part.disparity_px.size(), frame.left.size());
+  const cv::Rect region(171, 57, 81, 60);
+  int num_differ = 0;
+  for (int v = 0; v < frame.left.rows; ++v)
+    for (int u = 0; u < frame.left.cols; ++u) {
+      ASSERT_EQ(std::isnan(part.disparity_px(v, u)), std::isnan(part.sigma_px(v, u)));
+      if (!region.contains({u, v}))
+        ASSERT_TRUE(std::isnan(part.disparity_px(v, u)));
+      else if (!(std::abs(part.disparity_px(v, u) - whole.disparity_px(v, u)) < 0.05f))
+        ++num_differ;
+    }
+  EXPECT_LT(num_differ, 0.02 * region.area());
+}
+
+TEST_P(DisparityMatcherTest, CutsARegionOfInterestAtTheImage) {
+  const StereoFrame frame = RenderPlane(160, 120, {8.3, 0.01, 0.05});
+  DisparityConfig config = Tier(GetParam(), 32);
+  const DisparityImage whole = DisparityMatcher(config).Match(frame);
+  config.roi_width_px = config.roi_height_px = 2000000000;
+  EXPECT_TRUE(SameBits(DisparityMatcher(config).Match(frame), whole));
+  config.roi_left_px = 150;  // what remains is narrower than an image may be
+  EXPECT_FALSE(std::isnan(DisparityMatcher(config).Match(frame).disparity_px(60, 155)));
+  config.roi_top_px = 120;
+  for (const float d : DisparityMatcher(config).Match(frame).disparity_px) ASSERT_TRUE(std::isnan(d));
+}
+
+TEST_P(DisparityMatcherTest, UsesAPriorInARegionOfInterest) {
+  StereoFrame frame = RenderPlane(300, 160, {50.0, 0.01, 0.02});
+  frame.frame_id = 1;
+  DisparityPrior prior = Everywhere(frame, 0.0f, 0.0f);  // wrong outside
+  for (int row = 0; row < prior.rows; ++row)
+    for (int column = 1; column < prior.columns; ++column) prior.At(row, column) = {50.0f, 57.0f};
+  DisparityConfig config = WithPrior(GetParam(), kNever);
+  config.roi_left_px = 240;
+  const DisparityImage found = DisparityMatcher(config).Match(frame, &prior);
+  EXPECT_NEAR(found.disparity_px(80, 270), 50.0 + 2.7 + 1.6, 0.1);
+}
+
 INSTANTIATE_TEST_SUITE_P(Tiers, DisparityMatcherTest, testing::Values("fast", "quality"),
                          [](const auto& tier) { return tier.param; });
 
