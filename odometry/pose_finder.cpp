@@ -31,7 +31,7 @@ std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const Im
                                       {start_level, 0, 2, true}),
                        prior, expected.seed);
     constexpr double kMinInlierShare = 0.35;
-    if (!Enough(fine) ||
+    if (!Enough(fine, expected) ||
         fine.solution.num_inliers < kMinInlierShare * static_cast<double>(fine.matches.size()))
       continue;
     // A pose that only new landmarks believe in is that of something that moves through the view.
@@ -54,7 +54,9 @@ std::optional<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, c
   const SearchOptions rough{3, 0, 1, false};
   std::optional<Found> best;
   // True as soon as a pose explains about as much as poses do in these surroundings.
-  const auto Believed = [&] { return best && Enough(*best) && best->share > kUsual * usual_share_; };
+  const auto Believed = [&] {
+    return best && Enough(*best, expected) && best->share > kUsual * usual_share_;
+  };
   const auto Consider = [&](Found found) {
     if (!best || found.score > best->score) best = std::move(found);
   };
@@ -112,10 +114,15 @@ std::optional<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, c
       if (Believed()) break;
     }
   }
-  if (!best || !Enough(*best)) return std::nullopt;
+  if (!best || !Enough(*best, expected)) return std::nullopt;
   constexpr double kRate = 0.1;
   usual_share_ += kRate * (best->share - usual_share_);
   return best;
+}
+
+/// With an IMU the turn is known and the step nearly so: half as many will do.
+bool PoseFinder::Enough(const Found& found, const Expectation& expected) const {
+  return found.solution.num_inliers >= (expected.measured ? (min_inliers_ + 1) / 2 : min_inliers_);
 }
 
 PoseFinder::Found PoseFinder::Solve(const Window& window, Matches matches, const PosePrior& prior,

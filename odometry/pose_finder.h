@@ -43,8 +43,11 @@ class PoseFinder {
   std::optional<Found> Find(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
                             const Expectation& expected);
 
+  /// Variance of residuals over what the patches claim: real lenses and calibrations are worse.
+  double noise_scale() const { return noise_scale_; }
+
  private:
-  bool Enough(const Found& found) const { return found.solution.num_inliers >= min_inliers_; }
+  bool Enough(const Found& found, const Expectation& expected) const;
   std::vector<PoseConstraint> Constraints(const Window& window, const std::vector<Match>& matches) const;
   Found Solve(const Window& window, Matches matches, const PosePrior& prior, std::uint32_t seed) const;
   std::optional<Found> FindRoughly(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
@@ -56,9 +59,6 @@ class PoseFinder {
   int min_inliers_;
   double usual_share_ = 0.5;  ///< running mean of Found::share of the rough search
   double noise_scale_ = 1.0;  ///< variance of residuals over what the patches claim
-
- public:
-  double noise_scale() const { return noise_scale_; }
 };
 
 }  // namespace terrace

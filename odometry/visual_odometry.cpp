@@ -74,7 +74,7 @@ class VisualOdometry::Impl {
     const std::vector<Match>& matches = found->matches;
     const PoseSolution& solution = found->solution;
 
-    PoseEstimate pose = Tracked(frame, predicted, matches, solution);
+    PoseEstimate pose = Tracked(frame, matches, solution);
     motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_);
     if (motion_.ImuContradicts(pose, predicted)) RefuseImu();
     FollowAttitude(samples, pose);
@@ -241,7 +241,7 @@ class VisualOdometry::Impl {
     return expected;
   }
 
-  PoseEstimate Tracked(const StereoFrame& frame, const Motion& predicted, const std::vector<Match>& matches,
+  PoseEstimate Tracked(const StereoFrame& frame, const std::vector<Match>& matches,
                        const PoseSolution& solution) {
     PoseEstimate pose;
     pose.frame_id = frame.frame_id;

@@ -33,7 +33,8 @@ struct OdometryConfig {
   double keyframe_parallax = 0.06;
   /// A new keyframe when fewer than this share of the cells still holds a feature that was found.
   double keyframe_min_coverage = 0.45;
-  /// Below this many points that agree, the images do not count as tracked.
+  /// Below this many points that agree, the images do not count as tracked; with an IMU, half as many will
+  /// do.
   int min_inliers = 15;
   /// Bridging longer than this without an image that counts is being lost.
   double max_bridging_s = 2.0;
