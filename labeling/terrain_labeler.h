@@ -63,7 +63,7 @@ struct LabelingConfig {
   double min_decided_area_m2 = 0.04;
   /// Regions narrower than this many times their noise are not told, unless they are part of a staircase: far
   /// away, noise makes up planes.
-  double min_width_in_noise = 15.0;
+  double min_width_in_noise = 10.0;
   /// A label changes when this many frames in a row say so; a staircase appears after as many.
   int frames_to_change_label = 3;
   /// Heights are measured again when what is known of gravity has turned by more than this.

@@ -351,9 +351,23 @@ class TerrainOctree::Impl {
       }
       FrameLeaf& leaf = frame_leaves_.At(KeyAt(index), level);
       leaf.moments.Add(1.0F / variance, offset * leaf_m);
-      float& tile = tile_disparity_[static_cast<std::size_t>(row / kTilePx) * tiles_x_ + column / kTilePx];
+      float& tile = TileAt(column, row);
       tile = std::max(tile, fb * inverse_z);
     }
+    // As near as they may well be.
+    constexpr float kSigmas = 2.0F;
+    for (const CloudPoint& point : cloud.uncertain) {
+      const float inverse_z = 1.0F / point.p_left.z();
+      const float u = fx * point.p_left.x() * inverse_z + cx + 0.5F;
+      const float v = fy * point.p_left.y() * inverse_z + cy + 0.5F;
+      if (!(inverse_z > 0.0F && u >= 0.0F && v >= 0.0F && u < width && v < height)) continue;
+      float& tile = TileAt(static_cast<int>(u), static_cast<int>(v));
+      tile = std::max(tile, fb * inverse_z * (1.0F + kSigmas * point.sigma_depth_m * inverse_z));
+    }
+  }
+
+  float& TileAt(int column, int row) {
+    return tile_disparity_[static_cast<std::size_t>(row / kTilePx) * tiles_x_ + column / kTilePx];
   }
 
   static octomap::OcTreeKey KeyAt(const Eigen::Vector3i& index) {

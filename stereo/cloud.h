@@ -24,6 +24,8 @@ struct Cloud {
   FrameId frame_id = 0;
   Timestamp t_capture;
   std::vector<CloudPoint> points;
+  /// One in sixteen of those that are too uncertain to be mapped: they tell that nothing stands before them.
+  std::vector<CloudPoint> uncertain;
 };
 
 /// Settings of the triangulation. YAML section: `cloud`.

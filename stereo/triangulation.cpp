@@ -11,6 +11,7 @@ namespace {
 // A point stands for a square of pixels; this is the standard deviation of a uniform square of side one.
 const float kSigmaOfUnitSquare = 1.0f / std::sqrt(12.0f);
 constexpr int kMaxStep = 16;
+constexpr int kUncertainStep = 4;
 
 }  // namespace
 
@@ -50,10 +51,12 @@ Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, c
       if (((u | v) & (step - 1)) != 0) continue;
       const float z = fb / d;
       const float sigma_z = z / d * sigma_row[u];  // |dz/dd| = f b / d^2
-      if (!(sigma_z <= max_sigma_m)) continue;
-      cloud.points.push_back({{(static_cast<float>(u) - cx) * inv_fx * z, y_over_z * z, z},
-                              sigma_z,
-                              kSigmaOfUnitSquare * static_cast<float>(step) * z * inv_fx});
+      const bool certain = sigma_z <= max_sigma_m;
+      if (!certain && (((u | v) & (kUncertainStep - 1)) != 0 || !std::isfinite(sigma_z))) continue;
+      std::vector<CloudPoint>& points = certain ? cloud.points : cloud.uncertain;
+      points.push_back({{(static_cast<float>(u) - cx) * inv_fx * z, y_over_z * z, z},
+                        sigma_z,
+                        kSigmaOfUnitSquare * static_cast<float>(step) * z * inv_fx});
     }
   }
   return cloud;

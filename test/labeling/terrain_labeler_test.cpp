@@ -363,7 +363,7 @@ TEST(TerrainLabelerTest, TellsNothingThatIsNotMuchWiderThanItsNoiseButTheStepsOf
   }
   auto scrap = std::make_shared<Polygon>(*update.polygons.back());
   scrap->id = update.polygons.back()->id + 1;
-  scrap->area_m2 = 0.3;
+  scrap->area_m2 = 0.2;
   for (Eigen::Vector3d& p : scrap->outline_world) p += Eigen::Vector3d(0, 8, 0);
   update.polygons.push_back(scrap);
   TerrainLabeler labeler = MakeLabeler();

@@ -93,6 +93,28 @@ TEST(TerrainOctreeTest, ClearsTheBoxThatHasLeft) {
   EXPECT_EQ(num_raised(), 0);
 }
 
+TEST(TerrainOctreeTest, ClearsTheFaceThatHasLeftInFrontOfAWallTooFarToBeMapped) {
+  PlaneWorld with_face;
+  with_face.AddFaceTowardsMinusX(1.5, -0.3, 0.3, 0.3, 0.8);
+  PlaneWorld wall;
+  wall.AddFaceTowardsMinusX(7.0, -6, 6, -5, 6);
+  TerrainOctree octree({}, TestCamera());
+  std::mt19937 random(1);
+  for (int i = 0; i < 10; ++i) InsertView(with_face, LookFrom(i, 0, 0, 0.45, 0, 0), &octree, &random);
+  const CellKey key = CellAt(octree, {1.51, 0.1, 0.55});
+  ASSERT_GT(SurfelsOf(octree, key).size(), 20U);
+  for (int i = 10; i < 30; ++i) {
+    const PoseEstimate pose = LookFrom(i, 0, 0, 0.45, 0, 0);
+    Cloud cloud = wall.See(TestCamera(), pose.T_world_left, i, 4, 0.02, &random);
+    for (CloudPoint& point : cloud.points) point.sigma_depth_m = 0.3F;
+    cloud.uncertain = std::move(cloud.points);
+    cloud.points.clear();
+    ASSERT_GT(cloud.uncertain.size(), 1000U);
+    octree.Insert(cloud, pose);
+  }
+  EXPECT_TRUE(SurfelsOf(octree, key).empty());
+}
+
 TEST(TerrainOctreeTest, ReplacesCoarseLeavesSeenFromAfarByFineOnesSeenNear) {
   PlaneWorld world;
   world.AddFaceTowardsMinusX(3.0, -1, 1, 0, 1);

@@ -57,6 +57,17 @@ TEST(TriangulateTest, LeavesOutUnknownMaskedAndUncertainPixels) {
   EXPECT_EQ(Triangulate(image, kCamera, config, mask).points.size(), 64u * 48u - 4u);
 }
 
+TEST(TriangulateTest, GivesSomeOfTheUncertainPixelsApart) {
+  DisparityImage image = SeePlane(Eigen::Vector3d::UnitZ(), 2.0);
+  image.sigma_px.setTo(5.0f);
+  CloudConfig config = EveryPixel();
+  config.max_depth_sigma_m = kCamera.DepthSigma(2.0, 1.0);
+  const Cloud cloud = Triangulate(image, kCamera, config);
+  EXPECT_TRUE(cloud.points.empty());
+  ASSERT_EQ(cloud.uncertain.size(), 64u * 48u / 16u);
+  EXPECT_NEAR(cloud.uncertain[7].p_left.z(), 2.0, 1e-3);
+}
+
 TEST(TriangulateTest, TakesFewerPixelsWhereTheyLieDenserThanTheSpacing) {
   // Pixels are 2 m / 40 = 5 cm apart: every pixel down to 5 cm of spacing, every second one from 10 cm on.
   const DisparityImage image = SeePlane(Eigen::Vector3d::UnitZ(), 2.0);
