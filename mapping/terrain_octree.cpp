@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -322,21 +323,24 @@ class TerrainOctree::Impl {
     for (int level = 0; level < max_level_; ++level)
       max_z[level] =
           static_cast<float>(config_.leaf_size_m * (1 << level) * camera_.fx / config_.min_leaf_px);
+    // The pixel that shows a point; none for anything that is not a number.
+    const auto pixel_of = [&](const Eigen::Vector3f& p_left) -> std::optional<Eigen::Vector2i> {
+      const float inverse_z = 1.0F / p_left.z();
+      const float u = fx * p_left.x() * inverse_z + cx + 0.5F;
+      const float v = fy * p_left.y() * inverse_z + cy + 0.5F;
+      if (!(inverse_z > 0.0F && u >= 0.0F && v >= 0.0F && u < width && v < height)) return std::nullopt;
+      return Eigen::Vector2i(static_cast<int>(u), static_cast<int>(v));
+    };
     for (const CloudPoint& point : cloud.points) {
-      const float inverse_z = 1.0F / point.p_left.z();
-      const float u = fx * point.p_left.x() * inverse_z + cx + 0.5F;
-      const float v = fy * point.p_left.y() * inverse_z + cy + 0.5F;
+      const std::optional<Eigen::Vector2i> pixel = pixel_of(point.p_left);
       const float sigma = sigma_factor * point.sigma_depth_m;
       const float variance = sigma * sigma + pose_variance;
       const Eigen::Vector3f p = R * point.p_left + in_camera_leaf;
       // Also false for anything that is not a number.
-      if (!(inverse_z > 0.0F && variance > 0.0F && p.cwiseAbs().maxCoeff() < kKeyOffset && u >= 0.0F &&
-            v >= 0.0F && u < width && v < height))
-        continue;
-      const int column = static_cast<int>(u), row = static_cast<int>(v);
+      if (!(pixel && variance > 0.0F && p.cwiseAbs().maxCoeff() < kKeyOffset)) continue;
       // Neighbouring pixels err alike: like the white fields of a chessboard, half of them say as much as
       // all.
-      if (((column ^ row) & 1) != 0) continue;
+      if (((pixel->x() ^ pixel->y()) & 1) != 0) continue;
       int level = 0;
       while (level < max_level_ && point.p_left.z() > max_z[level]) ++level;
       const Eigen::Array3f floor = p.array().floor();
@@ -351,23 +355,22 @@ class TerrainOctree::Impl {
       }
       FrameLeaf& leaf = frame_leaves_.At(KeyAt(index), level);
       leaf.moments.Add(1.0F / variance, offset * leaf_m);
-      float& tile = TileAt(column, row);
-      tile = std::max(tile, fb * inverse_z);
+      float& tile = TileAt(*pixel);
+      tile = std::max(tile, fb / point.p_left.z());
     }
     // As near as they may well be.
     constexpr float kSigmas = 2.0F;
     for (const CloudPoint& point : cloud.uncertain) {
-      const float inverse_z = 1.0F / point.p_left.z();
-      const float u = fx * point.p_left.x() * inverse_z + cx + 0.5F;
-      const float v = fy * point.p_left.y() * inverse_z + cy + 0.5F;
-      if (!(inverse_z > 0.0F && u >= 0.0F && v >= 0.0F && u < width && v < height)) continue;
-      float& tile = TileAt(static_cast<int>(u), static_cast<int>(v));
-      tile = std::max(tile, fb * inverse_z * (1.0F + kSigmas * point.sigma_depth_m * inverse_z));
+      const std::optional<Eigen::Vector2i> pixel = pixel_of(point.p_left);
+      if (!pixel) continue;
+      const float z = point.p_left.z();
+      float& tile = TileAt(*pixel);
+      tile = std::max(tile, fb / z * (1.0F + kSigmas * point.sigma_depth_m / z));
     }
   }
 
-  float& TileAt(int column, int row) {
-    return tile_disparity_[static_cast<std::size_t>(row / kTilePx) * tiles_x_ + column / kTilePx];
+  float& TileAt(const Eigen::Vector2i& pixel) {
+    return tile_disparity_[static_cast<std::size_t>(pixel.y() / kTilePx) * tiles_x_ + pixel.x() / kTilePx];
   }
 
   static octomap::OcTreeKey KeyAt(const Eigen::Vector3i& index) {

@@ -23,8 +23,7 @@ struct Polygon {
   Eigen::Matrix3d plane_covariance = Eigen::Matrix3d::Zero();
   Eigen::Vector3d centroid_world = Eigen::Vector3d::Zero();
   double rms_m = 0.0;
-  double noise_m =
-      0.0;  ///< standard deviation of single points along the normal, as far as their sensor explains it
+  double noise_m = 0.0;  ///< what the sensor adds to single points along the normal, standard deviation
   double area_m2 = 0.0;  ///< outline less holes
   Ring outline_world;    ///< counter-clockwise seen from where the normal points; simple; in the plane
   std::vector<Ring> holes_world;  ///< clockwise, inside the outline; simple; in the plane

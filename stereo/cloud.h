@@ -30,7 +30,8 @@ struct Cloud {
 
 /// Settings of the triangulation. YAML section: `cloud`.
 struct CloudConfig {
-  /// Points whose depth is less certain than this are left out.
+  /// Points whose depth is less certain than this are not mapped; they only tell that the way to them is
+  /// free.
   double max_depth_sigma_m = 0.065;
   /// Where pixels lie denser across the view than this, only every second, fourth, ... row and column is
   /// taken.
