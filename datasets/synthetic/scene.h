@@ -111,7 +111,7 @@ struct MotionPlan {
   double hold_end_s = 1.0;
   double gaze_rad = 0.12;   ///< how far the body turns left and right of its way
   double bounce = 1.0;      ///< times the ordinary bounce, roll, pitch and jolts
-  double duration_s = 0.0;  ///< 0: until the path is done; stand 60 s, creep 20 s, one turn
+  double duration_s = 0.0;  ///< 0: until the path is done; stand and creep 60 s, one turn
 };
 
 /// A staircase that turns has its truth at the middle of the tread's width, and its direction at its first

@@ -192,10 +192,8 @@ Trajectory PlanMotion(const MotionPlan& plan, const Mounting& mounting, const Gr
         duration = profile.done_s() + plan.hold_end_s;
         break;
       case MotionKind::kStand:
-        duration = 60.0;
-        break;
       case MotionKind::kCreep:
-        duration = 20.0;
+        duration = 60.0;
         break;
       case MotionKind::kTurnOnSpot:
         duration = plan.hold_start_s + 2.0 * kPi / plan.turn_radps + kAccelerate_s + plan.hold_end_s;
