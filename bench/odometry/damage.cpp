@@ -156,4 +156,15 @@ void ApplyDamage(const std::string& name, std::vector<StereoFrame>& frames,
   }
 }
 
+void AddNoise(std::uint32_t seed, std::vector<StereoFrame>& frames) {
+  std::mt19937 random(seed);
+  ForEach(
+      [&](std::size_t, StereoFrame& frame) {
+        for (cv::Mat1b* image : {&frame.left, &frame.right})
+          for (std::uint8_t& grey : *image)
+            if (grey > 0 && grey < 255) grey = static_cast<std::uint8_t>(grey + random() % 3 - 1);
+      },
+      frames);
+}
+
 }  // namespace terrace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -16,5 +17,8 @@ const std::vector<std::string>& DamageNames();
 /// dropped go to the next one. Same input, same damage.
 void ApplyDamage(const std::string& name, std::vector<StereoFrame>& frames,
                  std::vector<SensorSamples>& samples);
+
+/// At most one grey value more or less: shows how much of a figure is chance.
+void AddNoise(std::uint32_t seed, std::vector<StereoFrame>& frames);
 
 }  // namespace terrace

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Plays sequences through the odometry alone and compares with the truth:
-//   terrace_odometry_run SEQUENCE... [--no-imu] [--no-priors] [--damage NAME|all]... [--out DIR] [--sgbm]
+//   terrace_odometry_run SEQUENCE... [--no-imu] [--no-priors] [--damage NAME|all]... [--noise N] [--out DIR]
+//                        [--sgbm]
 // Memory is what the odometry itself has on the heap after a quarter of the frames and at the end: flat when
 // both are alike. --no-imu and --no-priors (body attitude and legs) together: stereo only.
 // --damage: one of DamageNames(), or all of them, after the undamaged sequence.
+// --noise: each of these once more, N times with other noise of one grey value, and the mean of all: two
+// versions differ by less than the spread of these by chance.
 // --out writes one text line a frame (pose, truth, error, sigmas); --sgbm compares the CPU time with OpenCV's
 // StereoSGBM, 128 disparities, padded, on every eighth frame of the same run.
 #include <algorithm>
@@ -145,6 +148,7 @@ struct Options {
   bool use_imu = true;
   bool use_priors = true;
   bool sgbm = false;
+  int num_noisy = 0;
   std::string out;
 };
 
@@ -313,6 +317,29 @@ void Print(const std::string& title, const Outcome& o) {
   std::fflush(stdout);
 }
 
+/// Runs and prints a sequence, and again with noise; the first outcome.
+Outcome RunAndPrint(const Recording& recording, const Options& options, const std::string& name,
+                    const std::string& tag, const Outcome* undamaged) {
+  const Outcome outcome = Run(recording, options, tag);
+  const char* verdict = "";
+  if (undamaged) verdict = outcome.ate_mm <= 3.0 * undamaged->ate_mm && outcome.lost == 0 ? " ok" : " BAD";
+  Print(name + verdict, outcome);
+  double ate = outcome.ate_mm, relative = outcome.mean_relative, nees = outcome.nees;
+  for (int k = 0; k < options.num_noisy; ++k) {
+    Recording noisy = recording;
+    AddNoise(static_cast<std::uint32_t>(k + 1), noisy.frames);
+    const Outcome other = Run(noisy, options, tag + "_noise" + std::to_string(k + 1));
+    ate += other.ate_mm;
+    relative += other.mean_relative;
+    nees += other.nees;
+  }
+  const int n = options.num_noisy + 1;
+  if (n > 1)
+    std::printf("%-34s mean of %d: ATE %.3f mm, rel %.4f%%, NEES %.2f\n", name.c_str(), n, ate / n,
+                relative / n, nees / n);
+  return outcome;
+}
+
 }  // namespace
 }  // namespace terrace
 
@@ -329,6 +356,8 @@ int main(int argc, char** argv) {
       options.use_priors = false;
     else if (argument == "--sgbm")
       options.sgbm = true;
+    else if (argument == "--noise" && i + 1 < argc)
+      options.num_noisy = std::stoi(argv[++i]);
     else if (argument == "--damage" && i + 1 < argc) {
       const std::string name = argv[++i];
       if (name == "all")
@@ -345,15 +374,11 @@ int main(int argc, char** argv) {
     const Recording recording = Load(path);
     const std::string name =
         recording.name + (options.use_imu ? "" : " no-imu") + (options.use_priors ? "" : " no-priors");
-    const Outcome undamaged = Run(recording, options, "");
-    Print(name, undamaged);
+    const Outcome undamaged = RunAndPrint(recording, options, name, "", nullptr);
     for (const std::string& damage : damages) {
       Recording worse = recording;
       ApplyDamage(damage, worse.frames, worse.samples);
-      const Outcome outcome = Run(worse, options, "_" + damage);
-      Print(name + " " + damage +
-                (outcome.ate_mm <= 3.0 * undamaged.ate_mm && outcome.lost == 0 ? " ok" : " BAD"),
-            outcome);
+      RunAndPrint(worse, options, name + " " + damage, "_" + damage, &undamaged);
     }
   }
   return 0;
