@@ -16,9 +16,15 @@ constexpr int kSize = PatchTemplate::kSize;
 constexpr int kArea = PatchTemplate::kArea;
 /// Below this the smaller eigenvalue of the gradient matrix, per pixel, tells noise from noise [grey^2].
 constexpr float kMinTexture = 0.1f;
+/// Samples that must have a say.
+constexpr float kMinUsed = kArea / 3.0f;
+/// A true grey of 255 or more, of 0 or less.
+constexpr std::uint8_t kTooBright = 1;
+constexpr std::uint8_t kTooDark = 2;
 
 typedef float Float4 __attribute__((vector_size(16)));
 typedef std::uint8_t Byte4 __attribute__((vector_size(4)));
+typedef std::uint8_t Byte16 __attribute__((vector_size(16)));
 
 Float4 Load(const float* p) {
   Float4 v;
@@ -61,8 +67,98 @@ bool Inside(const cv::Mat1b& image, float x, float y) {
          y < static_cast<float>(image.rows - 1);
 }
 
+std::uint8_t ClipOf(std::uint8_t grey) { return grey == 255 ? kTooBright : grey == 0 ? kTooDark : 0; }
+/// The same of a bilinear sample: of all pixels that it is made of.
+std::uint8_t ClipAt(const cv::Mat1b& image, float x, float y) {
+  const std::uint8_t* row0 = image[static_cast<int>(y)] + static_cast<int>(x);
+  const std::uint8_t* row1 = row0 + image.step;
+  return ClipOf(row0[0]) | ClipOf(row0[1]) | ClipOf(row1[0]) | ClipOf(row1[1]);
+}
+
+/// False when surely no sample within `extent` of a position is clipped.
+bool MayBeClipped(const cv::Mat1b& image, const Eigen::Vector2f& position, const Eigen::Vector2f& extent) {
+  constexpr int kBlock = 16;
+  if (image.cols < kBlock) return true;
+  const int u1 = static_cast<int>(position.x() + extent.x()) + 1;
+  const int v1 = static_cast<int>(position.y() + extent.y()) + 1;
+  Byte16 low = Byte16{} + std::uint8_t{255};
+  Byte16 high{};
+  for (int v = static_cast<int>(position.y() - extent.y()); v <= v1; ++v) {
+    for (int u = static_cast<int>(position.x() - extent.x()); u <= u1; u += kBlock) {
+      Byte16 greys;
+      std::memcpy(&greys, image[v] + std::min(u, image.cols - kBlock), sizeof greys);
+      low = greys < low ? greys : low;
+      high = greys > high ? greys : high;
+    }
+  }
+  bool clipped = false;
+  for (int i = 0; i < kBlock; ++i) clipped = clipped || ClipOf(low[i]) != 0 || ClipOf(high[i]) != 0;
+  return clipped;
+}
+
+/// Fits an image patch by a template where some samples have no say.
+struct WeightedFit {
+  alignas(16) float weight[kArea];  ///< 1 or 0
+  float num_used = 0.0f;
+  Eigen::Matrix4f normal;  ///< of the basis (gradient_u, gradient_v, value, 1)
+
+  /// Only what is clipped in neither.
+  void UseUnclipped(const PatchTemplate& patch, const std::uint8_t* clip) {
+    for (int k = 0; k < kArea; ++k) weight[k] = (ClipOf(patch, k) | clip[k]) == 0 ? 1.0f : 0.0f;
+    Sum(patch);
+  }
+  /// All but what differs from gain * template + brightness because it is clipped.
+  void UseUnexplained(const PatchTemplate& patch, const std::uint8_t* clip, const float* samples, float gain,
+                      float brightness) {
+    constexpr float kNoise = 8.0f;  // grey; what agrees, agrees, clipped or not
+    for (int k = 0; k < kArea; ++k) {
+      const float excess = samples[k] - (gain * patch.value[k] + brightness);
+      const bool explained =
+          (excess > kNoise && ((ClipOf(patch, k) & kTooBright) | (clip[k] & kTooDark)) != 0) ||
+          (excess < -kNoise && ((ClipOf(patch, k) & kTooDark) | (clip[k] & kTooBright)) != 0);
+      weight[k] = explained ? 0.0f : 1.0f;
+    }
+    num_used = Total(weight);
+    if (!all()) Sum(patch);
+  }
+  bool all() const { return num_used == static_cast<float>(kArea); }
+  bool Solvable() const {
+    // The smaller eigenvalue of the gradients' part is at least determinant / trace.
+    const float trace = normal(0, 0) + normal(1, 1);
+    const float determinant = normal(0, 0) * normal(1, 1) - normal(0, 1) * normal(0, 1);
+    return num_used >= kMinUsed && determinant >= kMinTexture * kArea * trace;
+  }
+  Eigen::Matrix4f InverseNormal() const { return normal.cast<double>().inverse().cast<float>(); }
+  /// Contrast and brightness of the image against the template.
+  Eigen::Vector2f Exposure(const PatchTemplate& patch, const float* samples) const {
+    const float* basis[3] = {patch.gradient_u, patch.gradient_v, patch.value};
+    Eigen::Vector4f sums;
+    alignas(16) float weighted[kArea];
+    for (int k = 0; k < kArea; ++k) weighted[k] = weight[k] * samples[k];
+    for (int a = 0; a < 3; ++a) sums[a] = Dot(weighted, basis[a]);
+    sums[3] = Total(weighted);
+    return (InverseNormal() * sums).tail<2>();
+  }
+
+ private:
+  static std::uint8_t ClipOf(const PatchTemplate& patch, int k) {
+    return patch.clipped ? patch.clip[k] : std::uint8_t{0};
+  }
+  void Sum(const PatchTemplate& patch) {
+    const float* basis[3] = {patch.gradient_u, patch.gradient_v, patch.value};
+    alignas(16) float weighted[kArea];
+    for (int a = 0; a < 3; ++a) {
+      for (int k = 0; k < kArea; ++k) weighted[k] = weight[k] * basis[a][k];
+      for (int b = a; b < 3; ++b) normal(a, b) = normal(b, a) = Dot(weighted, basis[b]);
+      normal(a, 3) = normal(3, a) = Total(weighted);
+    }
+    num_used = normal(3, 3) = Total(weight);
+  }
+};
+
 /// Unwarped samples around a position; false when they leave the image.
-bool SampleUpright(const cv::Mat1b& image, const Eigen::Vector2f& position, float* samples) {
+/// @param clipped  whether any of them is
+bool SampleUpright(const cv::Mat1b& image, const Eigen::Vector2f& position, float* samples, bool* clipped) {
   const float x = position.x() + PatchTemplate::Offset(0);
   const float y = position.y() + PatchTemplate::Offset(0);
   // One vector is read past the last column.
@@ -74,11 +170,17 @@ bool SampleUpright(const cv::Mat1b& image, const Eigen::Vector2f& position, floa
   const float fx = x - static_cast<float>(ix);
   const float fy = y - static_cast<float>(iy);
   Float4 above[kSize / 4];
+  Float4 low = LoadBytes(image[iy] + ix);
+  Float4 high = low;
   for (int j = 0; j <= kSize; ++j) {
     const std::uint8_t* row = image[iy + j] + ix;
+    low[0] = std::min(low[0], static_cast<float>(row[0]));
+    high[0] = std::max(high[0], static_cast<float>(row[0]));
     for (int i = 0; i < kSize / 4; ++i) {
       const Float4 a = LoadBytes(row + 4 * i);
       const Float4 b = LoadBytes(row + 4 * i + 1);
+      low = b < low ? b : low;
+      high = b > high ? b : high;
       const Float4 across = a + fx * (b - a);
       if (j > 0) {
         const Float4 v = above[i] + fy * (across - above[i]);
@@ -87,6 +189,8 @@ bool SampleUpright(const cv::Mat1b& image, const Eigen::Vector2f& position, floa
       above[i] = across;
     }
   }
+  *clipped = std::min({low[0], low[1], low[2], low[3]}) <= 0.0f ||
+             std::max({high[0], high[1], high[2], high[3]}) >= 255.0f;
   return true;
 }
 
@@ -109,6 +213,15 @@ bool ExtractTemplate(const cv::Mat1b& image, const Eigen::Vector2f& centre,
       wide[j * kWide + i] =
           Bilinear(image, centre.x() + A_image_template(0, 0) * du + A_image_template(0, 1) * dv,
                    centre.y() + A_image_template(1, 0) * du + A_image_template(1, 1) * dv);
+    }
+  }
+
+  patch.clipped = MayBeClipped(image, centre, extent);
+  if (patch.clipped) {
+    for (int k = 0; k < kArea; ++k) {
+      const Eigen::Vector2f o(PatchTemplate::Offset(k % kSize), PatchTemplate::Offset(k / kSize));
+      const Eigen::Vector2f at = centre + A_image_template * o;
+      patch.clip[k] = ClipAt(image, at.x(), at.y());
     }
   }
 
@@ -158,8 +271,34 @@ bool Align(const cv::Mat1b& image, const PatchTemplate& patch, const Eigen::Vect
   constexpr float kMaxGain = 5.0f;
   alignas(16) float samples[kArea];
   Eigen::Vector2f position = start;
+  Eigen::Vector2f exposure(1.0f, 0.0f);
+  bool forgives_clipping = false;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    if (!SampleUpright(image, position, samples)) return false;
+    bool clipped = false;
+    if (!SampleUpright(image, position, samples, &clipped)) return false;
+    Eigen::Matrix4f inverse_normal = patch.inverse_normal;
+    float num_used = kArea;
+    if (forgives_clipping || (iteration == 0 && (clipped || patch.clipped))) {
+      std::uint8_t clip[kArea]{};
+      for (int k = 0; clipped && k < kArea; ++k)
+        clip[k] = ClipAt(image, position.x() + PatchTemplate::Offset(k % kSize),
+                         position.y() + PatchTemplate::Offset(k / kSize));
+      WeightedFit weighted;
+      if (iteration == 0) {
+        weighted.UseUnclipped(patch, clip);
+        forgives_clipping = weighted.Solvable();
+        if (forgives_clipping) exposure = weighted.Exposure(patch, samples);
+      }
+      if (forgives_clipping) {
+        weighted.UseUnexplained(patch, clip, samples, exposure[0], exposure[1]);
+        if (!weighted.all()) {
+          if (!weighted.Solvable()) return false;
+          num_used = weighted.num_used;
+          inverse_normal = weighted.InverseNormal();
+          for (int k = 0; k < kArea; ++k) samples[k] *= weighted.weight[k];
+        }
+      }
+    }
     Float4 u{}, v{}, t{}, one{}, square{};
     for (int i = 0; i < kArea; i += 4) {
       const Float4 s = Load(samples + i);
@@ -170,9 +309,10 @@ bool Align(const cv::Mat1b& image, const PatchTemplate& patch, const Eigen::Vect
       square += s * s;
     }
     const Eigen::Vector4f right(Sum(u), Sum(v), Sum(t), Sum(one));
-    const Eigen::Vector4f fit = patch.inverse_normal * right;
+    const Eigen::Vector4f fit = inverse_normal * right;
     const float gain = fit[2];
     if (!(gain > kMinGain && gain < kMaxGain)) return false;
+    exposure = fit.tail<2>();
     Eigen::Vector2f shift = fit.head<2>() / gain;
     const float length = shift.norm();
     constexpr float kMaxStepPx = 2.0f;  // the gradients say nothing farther away
@@ -180,14 +320,14 @@ bool Align(const cv::Mat1b& image, const PatchTemplate& patch, const Eigen::Vect
     position -= shift;
     if (!((position - start).squaredNorm() < max_shift_px * max_shift_px)) return false;
 
-    const float total = Sum(square) - right[3] * right[3] / kArea;
+    const float total = Sum(square) - right[3] * right[3] / num_used;
     const float residual = std::max(Sum(square) - fit.dot(right), 0.0f);
     result.position = position;
     result.gain = gain;
     result.agreement = total > 0.0f ? 1.0f - residual / total : 0.0f;
     if (length < kSettledPx) {
-      const float variance = (residual / (kArea - 4) + 1.0f / 12.0f) / (gain * gain);
-      result.covariance = patch.inverse_normal.topLeftCorner<2, 2>() * variance;
+      const float variance = (residual / (num_used - 4.0f) + 1.0f / 12.0f) / (gain * gain);
+      result.covariance = inverse_normal.topLeftCorner<2, 2>() * variance;
       return true;
     }
   }

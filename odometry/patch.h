@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
@@ -16,6 +18,9 @@ struct PatchTemplate {
   alignas(16) float value[kArea];  ///< mean removed
   alignas(16) float gradient_u[kArea];
   alignas(16) float gradient_v[kArea];
+  /// Where the camera's range ends: kTooBright, kTooDark or both. Written only when `clipped`.
+  std::uint8_t clip[kArea];
+  bool clipped = false;
   /// Inverse normal matrix of the basis (gradient_u, gradient_v, value, 1).
   Eigen::Matrix4f inverse_normal;
 };
@@ -35,7 +40,9 @@ struct Alignment {
 
 /// Moves the template over the image, from `start`, until the squared difference is least; contrast and
 /// brightness are free. Each iteration fits the image patch by gradient_u, gradient_v, value and 1: a linear
-/// problem whose first two coefficients are the shift times the contrast.
+/// problem whose first two coefficients are the shift times the contrast. What is
+/// too bright or too dark for the camera, in the template or in the image, only tells that the true grey is
+/// not less or not more: it has no say where that explains the difference.
 /// @return false when it leaves the image, does not settle or drifts more than max_shift_px away.
 bool Align(const cv::Mat1b& image, const PatchTemplate& patch, const Eigen::Vector2f& start,
            int max_iterations, float max_shift_px, Alignment& result);

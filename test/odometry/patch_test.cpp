@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "odometry/patch.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -45,6 +48,51 @@ TEST(PatchTest, FindsAWarpedPatchWhenTheWarpIsKnown) {
   ASSERT_TRUE(Align(second, patch, {51, 40}, 10, 5.0f, found));
   EXPECT_NEAR(found.position.x(), 50.5, 0.05);
   EXPECT_NEAR(found.position.y(), 41.0, 0.05);
+}
+
+/// So bright that a third is too much for the camera.
+double TooBright(double u, double v) { return 2.2 * Texture(u, v) - 60.0; }
+
+/// Looks for patches all over an image in one that was shifted by (1.3, -0.7).
+struct ShiftErrors {
+  int num_found = 0;
+  double rms_px = 0.0;
+  double max_px = 0.0;
+
+  ShiftErrors(const cv::Mat1b& first, const cv::Mat1b& second) {
+    double sum = 0.0;
+    for (int u = 20; u <= 100; u += 10) {
+      for (int v = 20; v <= 60; v += 10) {
+        const Eigen::Vector2f centre(static_cast<float>(u), static_cast<float>(v));
+        PatchTemplate patch;
+        Alignment found;
+        if (!ExtractTemplate(first, centre, Eigen::Matrix2f::Identity(), patch) ||
+            !Align(second, patch, centre, 10, 5.0f, found) || found.agreement < 0.9f)
+          continue;
+        const double error = (found.position - centre - Eigen::Vector2f(1.3f, -0.7f)).norm();
+        ++num_found;
+        sum += error * error;
+        max_px = std::max(max_px, error);
+      }
+    }
+    rms_px = std::sqrt(sum / std::max(num_found, 1));
+  }
+};
+
+TEST(PatchTest, IsNotLedAstrayByWhatIsTooBrightInTheImage) {
+  const ShiftErrors errors(Render([](double u, double v) { return Texture(u, v); }),
+                           Render([](double u, double v) { return TooBright(u - 1.3, v + 0.7); }));
+  EXPECT_GT(errors.num_found, 25);
+  EXPECT_LT(errors.rms_px, 0.05);
+  EXPECT_LT(errors.max_px, 0.25);
+}
+
+TEST(PatchTest, IsNotLedAstrayByWhatIsTooBrightInTheTemplate) {
+  const ShiftErrors errors(Render([](double u, double v) { return TooBright(u, v); }),
+                           Render([](double u, double v) { return Texture(u - 1.3, v + 0.7); }));
+  EXPECT_GT(errors.num_found, 25);
+  EXPECT_LT(errors.rms_px, 0.05);
+  EXPECT_LT(errors.max_px, 0.25);
 }
 
 TEST(PatchTest, RefusesAPatchWithoutACornerOrOutsideTheImage) {
