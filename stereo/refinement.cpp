@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -24,47 +26,51 @@
 #define TERRACE_STEREO_REFINEMENT_ONCE_
 namespace terrace {
 
-constexpr int kReach = 2;         // of the 5x5 window
-constexpr int kImageBorder = 64;  // pixels repeated left and right of the images, which vectors may touch
-constexpr int kRowMargin = 32;    // floats before and behind each row, which vectors may touch
+constexpr int kReach = 2;  // of the 5x5 window
+constexpr int kWindowPixels = 25;
+constexpr int kImageBorder = 96;  // pixels repeated left and right of the images, which vectors may touch
+constexpr int kRowMargin = 64;    // elements before and behind each row, which vectors may touch
+
+/// Disparities are whole numbers of 1/128 px, 0 where unknown: twice as many fit into a vector as floats, and
+/// sums of whole numbers can be moved from row to row without ever losing anything.
+constexpr int kUnitsPerPx = 128;
+constexpr int kMaxUnits = 255 * kUnitsPerPx;
+/// Grey levels and gradients are in eighths, cut so that the sum over a window fits into 16 bits.
+constexpr int kGreyUnits = 8;
+constexpr int kMaxGrey = 1300;
 
 /// Of rounding two images to whole grey levels.
-constexpr float kRoundingVariance = 0.17f;
+constexpr float kRoundingVariance = 0.17f * kGreyUnits * kGreyUnits;
 /// Measured: error / sigma has its 68 % quantile at one.
 constexpr float kSigmaScale = 1.45f;
 /// Standard deviation [px] of disparities that no texture supports, before the scale: measured too.
 constexpr float kUnsupportedSigma = 0.4f;
 
-/// Sums of the known disparities over five pixels of a row, and their extremes.
-struct DisparitySums {
-  float *n, *total, *low, *high;
+/// The known disparities of five rows, column by column.
+struct ColumnDisparities {
+  std::int16_t* sum;  ///< without what does not fit into 16 bits
+  std::int16_t *low, *high;
 };
 
 /// What the two images say about one row at the disparities given, smoothed.
 struct ResidualRow {
-  float* disparity;  ///< 0 where unknown
-  float* valid;      ///< 1, or 0 where unknown or outside the right image
-  float* gradient;   ///< mean of both images', along the row
-  float* residual;   ///< left less right
-  float* at_edge;    ///< 1 where the window holds other surfaces, else 0
+  std::int16_t* disparity;  ///< 0 where unknown or outside the right image: then all others are 0 as well
+  std::int16_t* valid;      ///< 1 where known
+  std::int16_t* gradient;   ///< mean of both images', along the row
+  std::int16_t* residual;   ///< left less right
+  std::int16_t* at_edge;    ///< not 0 where the window holds other surfaces
 };
 
-/// Sums over five pixels of a row.
-struct SumRow {
-  float *n, *g, *e, *gg, *ge, *ee;
-};
-
-/// What belongs to one row, all arrays with kRowMargin on both sides.
-struct RefinementRow {
-  const float* given;
-  DisparitySums disparities;
-  ResidualRow residuals;
-  SumRow sums;
+/// Sums over five rows, column by column. All are whole numbers below 2^24.
+struct ColumnSums {
+  std::int16_t *n, *g, *e;
+  float *gg, *ge, *ee;
 };
 
 struct RefineLimits {
-  float max_step, max_jump, given_sigma;
-  float gain;  ///< of the left image against the right one
+  std::int16_t max_jump;  ///< in kUnitsPerPx
+  std::int16_t gain;      ///< of the left image against the right one, times 2^13
+  float max_step, given_sigma;
 };
 
 }  // namespace terrace
@@ -75,173 +81,213 @@ namespace terrace {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+using Tag16 = hn::ScalableTag<std::int16_t>;
+using Vec16 = hn::Vec<Tag16>;
 using TagF = hn::ScalableTag<float>;
-using TagI = hn::RebindToSigned<TagF>;
 using VecF = hn::Vec<TagF>;
+using TagI = hn::RebindToSigned<TagF>;
+using TagHalf16 = hn::Rebind<std::int16_t, TagF>;
 
-HWY_INLINE VecF LoadBytes(const std::uint8_t* p) {
-  const hn::Rebind<std::uint8_t, TagI> bytes;
-  return hn::ConvertTo(TagF(), hn::PromoteTo(TagI(), hn::LoadU(bytes, p)));
-}
-
-HWY_INLINE VecF SumOfFive(VecF a, VecF b, VecF c, VecF d, VecF e) {
+template <class V>
+HWY_INLINE V SumOfFive(V a, V b, V c, V d, V e) {
   return hn::Add(hn::Add(hn::Add(a, b), hn::Add(d, e)), c);
 }
 
-void SumsOfRow(const ResidualRow& row, int width, const SumRow& sums) {
+HWY_INLINE VecF ToFloat(hn::Vec<TagHalf16> v) { return hn::ConvertTo(TagF(), hn::PromoteTo(TagI(), v)); }
+
+/// The rows are continued by zeros to a whole vector.
+void ToUnits(const float* disparity, int width, std::int16_t* units) {
   const TagF df;
-  for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(df))) {
-    VecF n[5], g[5], e[5];
-    for (int i = 0; i < 5; ++i) {
-      const int at = u + i - kReach;
-      n[i] = hn::LoadU(df, row.valid + at);
-      g[i] = hn::LoadU(df, row.gradient + at);
-      e[i] = hn::LoadU(df, row.residual + at);
-    }
-    const auto sum = [&](const VecF* a) HWY_ATTR { return SumOfFive(a[0], a[1], a[2], a[3], a[4]); };
-    const auto sum_products = [&](const VecF* a, const VecF* b) HWY_ATTR {
-      return SumOfFive(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1]), hn::Mul(a[2], b[2]), hn::Mul(a[3], b[3]),
-                       hn::Mul(a[4], b[4]));
-    };
-    hn::StoreU(sum(n), df, sums.n + u);
-    hn::StoreU(sum(g), df, sums.g + u);
-    hn::StoreU(sum(e), df, sums.e + u);
-    hn::StoreU(sum_products(g, g), df, sums.gg + u);
-    hn::StoreU(sum_products(g, e), df, sums.ge + u);
-    hn::StoreU(sum_products(e, e), df, sums.ee + u);
+  const TagHalf16 d16;
+  const int lanes = static_cast<int>(hn::Lanes(df));
+  const auto scale = hn::Set(df, kUnitsPerPx), half = hn::Set(df, 0.5f);
+  const auto least = hn::Set(df, 1.0f), most = hn::Set(df, kMaxUnits);
+  int u = 0;
+  for (; u + lanes <= width; u += lanes) {
+    const auto d = hn::LoadU(df, disparity + u);
+    const auto scaled = hn::Min(hn::Max(hn::Add(hn::Mul(d, scale), half), least), most);
+    const auto known = hn::IfThenElseZero(hn::Eq(d, d), scaled);
+    hn::StoreU(hn::DemoteTo(d16, hn::ConvertTo(TagI(), known)), d16, units + u);
+  }
+  for (; u < width; ++u) {
+    const float scaled = disparity[u] * kUnitsPerPx + 0.5f;
+    units[u] = std::isnan(scaled) ? 0 : static_cast<std::int16_t>(std::clamp<float>(scaled, 1.0f, kMaxUnits));
   }
 }
 
-void DisparitySumsOfRow(const float* disparity, int width, const DisparitySums& sums) {
-  const TagF df;
-  const auto far_away = hn::Set(df, 1e6f), one = hn::Set(df, 1.0f);
-  for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(df))) {
-    VecF n[5], d[5];
-    auto low = far_away, high = hn::Neg(far_away);
-    for (int i = 0; i < 5; ++i) {
-      const auto given = hn::LoadU(df, disparity + u + i - kReach);
-      const auto known = hn::Eq(given, given);
-      n[i] = hn::IfThenElseZero(known, one);
-      d[i] = hn::IfThenElseZero(known, given);
-      low = hn::Min(low, hn::IfThenElse(known, given, far_away));
-      high = hn::Max(high, hn::IfThenElse(known, given, hn::Neg(far_away)));
+void DisparitiesOfColumns(const std::int16_t* const* rows, int width, const ColumnDisparities& columns) {
+  const Tag16 d;
+  for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(d))) {
+    const auto a = hn::LoadU(d, rows[0] + u);
+    auto sum = a, low = a, high = a;
+    for (int r = 1; r < 5; ++r) {
+      const auto b = hn::LoadU(d, rows[r] + u);
+      sum = hn::Add(sum, b);
+      low = hn::Min(low, b);
+      high = hn::Max(high, b);
     }
-    hn::StoreU(SumOfFive(n[0], n[1], n[2], n[3], n[4]), df, sums.n + u);
-    hn::StoreU(SumOfFive(d[0], d[1], d[2], d[3], d[4]), df, sums.total + u);
-    hn::StoreU(low, df, sums.low + u);
-    hn::StoreU(high, df, sums.high + u);
+    hn::StoreU(sum, d, columns.sum + u);
+    hn::StoreU(low, d, columns.low + u);
+    hn::StoreU(high, d, columns.high + u);
   }
 }
 
-/// 1 / n of counts; mostly all are those of full windows.
-HWY_INLINE VecF Reciprocal(VecF n) {
+/// sums / counts, rounded.
+HWY_INLINE Vec16 Quotient(Vec16 sums, Vec16 counts) {
   const TagF df;
-  const auto full = hn::Set(df, 25.0f), one = hn::Set(df, 1.0f);
-  if (hn::AllTrue(df, hn::Eq(n, full))) return hn::Set(df, 1.0f / 25.0f);
-  return hn::Div(one, hn::Max(n, one));
-}
-
-/// For each lane, the mean of the known disparities of the window that belong to the same surface; NaN where
-/// unknown.
-HWY_INLINE VecF Smooth(const RefinementRow* rows, int u, float max_jump, VecF& at_edge) {
-  const TagF df;
-  const auto one = hn::Set(df, 1.0f);
-  const auto jump = hn::Set(df, max_jump);
-  const auto down = [&](float* const DisparitySums::*what) HWY_ATTR {
-    const auto of = [&](int r) HWY_ATTR { return hn::LoadU(df, rows[r].disparities.*what + u); };
-    return SumOfFive(of(0), of(1), of(2), of(3), of(4));
+  const TagHalf16 d16;
+  const auto shift = hn::Set(df, 4096.5f);  // positive, where conversion rounds down
+  const auto divide = [&](hn::Vec<TagHalf16> sum, hn::Vec<TagHalf16> count) HWY_ATTR {
+    const auto quotient = hn::Div(ToFloat(sum), hn::Max(ToFloat(count), hn::Set(df, 1.0f)));
+    const auto whole = hn::ConvertTo(TagI(), hn::Add(quotient, shift));
+    return hn::DemoteTo(d16, hn::Sub(whole, hn::Set(TagI(), 4096)));
   };
-  auto n = down(&DisparitySums::n), total = down(&DisparitySums::total);
-  auto low = hn::LoadU(df, rows[0].disparities.low + u), high = hn::LoadU(df, rows[0].disparities.high + u);
-  for (int r = 1; r < 5; ++r) {
-    low = hn::Min(low, hn::LoadU(df, rows[r].disparities.low + u));
-    high = hn::Max(high, hn::LoadU(df, rows[r].disparities.high + u));
-  }
-  const auto d = hn::LoadU(df, rows[kReach].given + u);
-  const auto edge = hn::Gt(hn::Max(hn::Sub(high, d), hn::Sub(d, low)), jump);  // false where unknown
-  at_edge = hn::IfThenElseZero(edge, one);
-  if (!hn::AllFalse(df, edge)) {
-    auto own_n = hn::Zero(df), own_total = hn::Zero(df);
-    for (int r = 0; r < 5; ++r)
-      for (int i = 0; i < 5; ++i) {
-        const auto other = hn::LoadU(df, rows[r].given + u + i - kReach);
-        const auto same = hn::Le(hn::Abs(hn::Sub(other, d)), jump);
-        own_n = hn::Add(own_n, hn::IfThenElseZero(same, one));
-        own_total = hn::Add(own_total, hn::IfThenElseZero(same, other));
-      }
-    n = hn::IfThenElse(edge, own_n, n);
-    total = hn::IfThenElse(edge, own_total, total);
-  }
-  return hn::IfThenElse(hn::Eq(d, d), hn::Mul(total, Reciprocal(n)), d);
+  return hn::Combine(Tag16(), divide(hn::UpperHalf(d16, sums), hn::UpperHalf(d16, counts)),
+                     divide(hn::LowerHalf(d16, sums), hn::LowerHalf(d16, counts)));
 }
 
-/// The four bytes from `row + offset` on, for each lane. Where neighbours look for neighbours, one load has
-/// them all.
-HWY_INLINE hn::Vec<TagI> FourPixels(const std::uint8_t* row, hn::Vec<TagI> offset) {
-  const TagI di;
-  const hn::RebindToUnsigned<TagI> du;
-  const int lanes = static_cast<int>(hn::Lanes(di));
-  const int begin = hn::GetLane(offset) - lanes;
-  const auto place = hn::Sub(offset, hn::Set(di, begin));
-  const auto together = hn::And(hn::Gt(place, hn::Set(di, -1)), hn::Lt(place, hn::Set(di, 4 * (lanes - 1))));
-  if (!hn::AllTrue(di, together))
-    return hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(row), offset);
-  const auto words = hn::LoadU(du, reinterpret_cast<const std::uint32_t*>(row + begin));
-  const auto word = hn::ShiftRight<2>(place);
-  const auto bits = hn::BitCast(du, hn::ShiftLeft<3>(hn::And(place, hn::Set(di, 3))));
-  const auto low = hn::TableLookupLanes(words, hn::IndicesFromVec(du, word));
-  const auto high = hn::TableLookupLanes(words, hn::IndicesFromVec(du, hn::Add(word, hn::Set(di, 1))));
-  const auto rest = hn::Shl(hn::ShiftLeft<1>(high), hn::Sub(hn::Set(du, 31), bits));
-  return hn::BitCast(di, hn::Or(hn::Shr(low, bits), rest));
+/// For each lane, the mean of the known disparities of the window that belong to the same surface; 0 where
+/// unknown.
+HWY_INLINE Vec16 Smooth(const std::int16_t* const* rows, const ColumnDisparities& columns, int u,
+                        std::int16_t max_jump, Vec16& at_edge) {
+  const Tag16 d;
+  const auto zero = hn::Zero(d), jump = hn::Set(d, max_jump);
+  const auto own = hn::LoadU(d, rows[kReach] + u);
+  auto total = hn::LoadU(d, columns.sum + u - kReach);
+  auto low = hn::LoadU(d, columns.low + u - kReach), high = hn::LoadU(d, columns.high + u - kReach);
+  for (int i = 1 - kReach; i <= kReach; ++i) {
+    total = hn::Add(total, hn::LoadU(d, columns.sum + u + i));
+    low = hn::Min(low, hn::LoadU(d, columns.low + u + i));
+    high = hn::Max(high, hn::LoadU(d, columns.high + u + i));
+  }
+  // Differences from the own disparity are small on one surface: their sum fits into 16 bits though that of
+  // the disparities does not.
+  const auto differences = hn::Sub(total, hn::Mul(own, hn::Set(d, kWindowPixels)));
+  auto mean = hn::MulFixedPoint15(differences, hn::Set(d, 32768 / kWindowPixels + 1));
+  const auto known = hn::Gt(own, zero);
+  const auto several = hn::Or(hn::Gt(hn::Sub(high, own), jump), hn::Gt(hn::Sub(own, low), jump));
+  const auto apart = hn::And(known, hn::Or(several, hn::Eq(low, zero)));
+  at_edge = zero;
+  if (!hn::AllFalse(d, apart)) {
+    const auto one = hn::Set(d, 1);
+    auto num_known = zero, num_own = zero, own_total = zero;
+    for (int r = 0; r < 5; ++r)
+      for (int i = -kReach; i <= kReach; ++i) {
+        const auto other = hn::LoadU(d, rows[r] + u + i);
+        const auto difference = hn::Sub(other, own);
+        const auto other_known = hn::Gt(other, zero);
+        const auto same = hn::AndNot(hn::Gt(hn::Abs(difference), jump), other_known);
+        num_known = hn::Add(num_known, hn::IfThenElseZero(other_known, one));
+        num_own = hn::Add(num_own, hn::IfThenElseZero(same, one));
+        own_total = hn::Add(own_total, hn::IfThenElseZero(same, difference));
+      }
+    mean = hn::IfThenElse(apart, Quotient(own_total, num_own), mean);
+    at_edge = hn::IfThenElseZero(apart, hn::Sub(num_known, num_own));
+  }
+  return hn::IfThenElseZero(known, hn::Max(hn::Add(own, mean), hn::Set(d, 1)));
 }
 
 /// Residual and gradient of the middle one of five rows. The right image is sampled by the cubic of Catmull
 /// and Rom, whose slope at whole pixels is the central difference that is taken in the left image.
-void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const RefinementRow* rows, int width,
-                    const RefineLimits& limits) {
-  const ResidualRow out = rows[kReach].residuals;
-  const TagF df;
-  const TagI di;
-  const auto zero = hn::Zero(df), half = hn::Set(df, 0.5f), one = hn::Set(df, 1.0f);
-  const auto v_gain = hn::Set(df, limits.gain);
-  const auto last = hn::Set(df, static_cast<float>(width - 1));
-  const auto mask_byte = hn::Set(di, 255);
-  for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(df))) {
-    const auto own = hn::LoadU(df, rows[kReach].given + u);
-    if (hn::AllFalse(df, hn::Eq(own, own))) {  // all unknown
-      for (float* array : {out.disparity, out.valid, out.gradient, out.residual, out.at_edge})
-        hn::StoreU(zero, df, array + u);
+void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const std::int16_t* const* rows,
+                    const ColumnDisparities& columns, int width, const RefineLimits& limits,
+                    const ResidualRow& out) {
+  const Tag16 d;
+  const hn::Rebind<std::uint8_t, Tag16> d8;
+  constexpr int kUnitBits = 7;
+  static_assert(1 << kUnitBits == kUnitsPerPx);
+  const auto zero = hn::Zero(d);
+  const auto gain = hn::Set(d, limits.gain);
+  const auto most = hn::Set(d, kMaxGrey), least = hn::Set(d, -kMaxGrey);
+  const auto pixels = [&](const std::uint8_t* p) HWY_ATTR { return hn::PromoteTo(d, hn::LoadU(d8, p)); };
+  for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(d))) {
+    const auto own = hn::LoadU(d, rows[kReach] + u);
+    if (hn::AllTrue(d, hn::Eq(own, zero))) {  // all unknown
+      for (std::int16_t* array : {out.disparity, out.valid, out.gradient, out.residual, out.at_edge})
+        hn::StoreU(zero, d, array + u);
       continue;
     }
-    VecF at_edge;
-    const auto given = Smooth(rows, u, limits.max_jump, at_edge);
-    const auto x_given = hn::Sub(hn::ConvertTo(df, hn::Iota(di, u)), given);
-    // Comparisons with NaN are false.
-    const auto valid = hn::And(hn::Ge(x_given, zero), hn::Le(x_given, last));
-    const auto d = hn::IfThenElseZero(valid, given);
-    const auto x = hn::IfThenElseZero(valid, x_given);
-    const auto whole = hn::ConvertTo(di, x);  // x is not negative
-    const auto f = hn::Sub(x, hn::ConvertTo(df, whole));
-    const auto four = FourPixels(right - 1, whole);
-    const auto p0 = hn::ConvertTo(df, hn::And(four, mask_byte));
-    const auto p1 = hn::ConvertTo(df, hn::And(hn::ShiftRight<8>(four), mask_byte));
-    const auto p2 = hn::ConvertTo(df, hn::And(hn::ShiftRight<16>(four), mask_byte));
-    const auto p3 = hn::ConvertTo(df, hn::And(hn::ShiftRight<24>(four), mask_byte));
-    // p1 + f (c1 + f (c2 + f c3))
-    const auto c1 = hn::Mul(half, hn::Sub(p2, p0));
-    const auto c3 = hn::Add(hn::Mul(hn::Set(df, 1.5f), hn::Sub(p1, p2)), hn::Mul(half, hn::Sub(p3, p0)));
-    const auto c2 = hn::Sub(hn::Sub(hn::Sub(p2, p1), c1), c3);
-    const auto value = hn::Add(p1, hn::Mul(f, hn::Add(c1, hn::Mul(f, hn::Add(c2, hn::Mul(f, c3))))));
-    const auto slope =
-        hn::Add(c1, hn::Mul(f, hn::Add(hn::Add(c2, c2), hn::Mul(hn::Set(df, 3.0f), hn::Mul(f, c3)))));
-    const auto left_slope = hn::Mul(half, hn::Sub(LoadBytes(left + u + 1), LoadBytes(left + u - 1)));
-    const auto gradient = hn::Mul(half, hn::Add(left_slope, hn::Mul(v_gain, slope)));
-    const auto residual = hn::Sub(LoadBytes(left + u), hn::Mul(v_gain, value));
-    hn::StoreU(d, df, out.disparity + u);
-    hn::StoreU(at_edge, df, out.at_edge + u);
-    hn::StoreU(hn::IfThenElseZero(valid, one), df, out.valid + u);
-    hn::StoreU(hn::IfThenElseZero(valid, gradient), df, out.gradient + u);
-    hn::StoreU(hn::IfThenElseZero(valid, residual), df, out.residual + u);
+    Vec16 at_edge;
+    const auto given = Smooth(rows, columns, u, limits.max_jump, at_edge);
+    // u - given = u - whole + fraction, the fraction not negative.
+    const auto whole = hn::ShiftRight<kUnitBits>(hn::Add(given, hn::Set(d, kUnitsPerPx - 1)));
+    const auto fraction = hn::Sub(hn::ShiftLeft<kUnitBits>(whole), given);
+    const auto column = hn::Iota(d, static_cast<std::int16_t>(u));
+    const auto valid = hn::And(hn::Gt(given, zero), hn::Gt(hn::Add(column, hn::Set(d, 1)), whole));
+    // The four pixels around each place: neighbours of equal whole disparity are neighbours there as well.
+    const auto whole8 = hn::DemoteTo(d8, hn::IfThenElseZero(valid, whole));
+    auto q0 = hn::Zero(d8), q1 = q0, q2 = q0, q3 = q0;
+    HWY_ALIGN std::uint8_t distances[hn::MaxLanes(d8)];
+    hn::Store(whole8, d8, distances);
+    std::uint64_t rest = ~std::uint64_t{0} >> (64 - hn::Lanes(d8));
+    while (rest != 0) {
+      const std::uint8_t distance = distances[std::countr_zero(rest)];
+      const auto here = hn::Eq(whole8, hn::Set(d8, distance));
+      const std::uint8_t* first = right + u - distance - 1;
+      q0 = hn::IfThenElse(here, hn::LoadU(d8, first), q0);
+      q1 = hn::IfThenElse(here, hn::LoadU(d8, first + 1), q1);
+      q2 = hn::IfThenElse(here, hn::LoadU(d8, first + 2), q2);
+      q3 = hn::IfThenElse(here, hn::LoadU(d8, first + 3), q3);
+      std::uint8_t bytes[8] = {};
+      hn::StoreMaskBits(d8, here, bytes);
+      std::uint64_t done;
+      std::memcpy(&done, bytes, 8);
+      rest &= ~done;
+    }
+    const auto p0 = hn::PromoteTo(d, q0), p1 = hn::PromoteTo(d, q1);
+    const auto p2 = hn::PromoteTo(d, q2), p3 = hn::PromoteTo(d, q3);
+    // p1 + f (c1 + f (c2 + f c3)), in sixteenths of a grey level.
+    const auto f = hn::ShiftLeft<15 - kUnitBits>(fraction);
+    const auto p20 = hn::Sub(p2, p0), p12 = hn::Sub(p1, p2);
+    const auto c1 = hn::ShiftLeft<3>(p20);
+    const auto c3 = hn::ShiftLeft<3>(hn::Sub(hn::Add(hn::Add(p12, p12), hn::Sub(p3, p2)), hn::Sub(p0, p1)));
+    const auto c2 = hn::Sub(hn::Sub(hn::ShiftLeft<4>(hn::Neg(p12)), c1), c3);
+    const auto m1 = hn::MulFixedPoint15(f, c3);
+    const auto m2 = hn::MulFixedPoint15(f, hn::Add(c2, m1));
+    const auto s = hn::Add(c1, m2);
+    const auto value = hn::Add(hn::ShiftLeft<4>(p1), hn::MulFixedPoint15(f, s));
+    const auto slope = hn::Add(hn::Add(s, m2), hn::MulFixedPoint15(f, m1));
+    // In kGreyUnits from here on.
+    const auto with_gain = [&](Vec16 v) HWY_ATTR { return hn::MulFixedPoint15(hn::Add(v, v), gain); };
+    const auto left_slope = hn::ShiftLeft<2>(hn::Sub(pixels(left + u + 1), pixels(left + u - 1)));
+    const auto gradient = hn::ShiftRight<1>(hn::Add(left_slope, with_gain(slope)));
+    const auto residual = hn::Sub(hn::ShiftLeft<3>(pixels(left + u)), with_gain(value));
+    const auto cut = [&](Vec16 v)
+                         HWY_ATTR { return hn::IfThenElseZero(valid, hn::Max(hn::Min(v, most), least)); };
+    hn::StoreU(hn::IfThenElseZero(valid, given), d, out.disparity + u);
+    hn::StoreU(hn::IfThenElseZero(valid, hn::Set(d, 1)), d, out.valid + u);
+    hn::StoreU(cut(gradient), d, out.gradient + u);
+    hn::StoreU(cut(residual), d, out.residual + u);
+    hn::StoreU(hn::IfThenElseZero(valid, at_edge), d, out.at_edge + u);
+  }
+}
+
+/// Moves the sums of columns down by a row.
+void MoveColumnSums(const ResidualRow& entering, const ResidualRow& leaving, int width,
+                    const ColumnSums& sums) {
+  const Tag16 d;
+  for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(d))) {
+    const auto move = [&](const std::int16_t* in, const std::int16_t* gone, std::int16_t* sum) HWY_ATTR {
+      const auto change = hn::Sub(hn::LoadU(d, in + u), hn::LoadU(d, gone + u));
+      hn::StoreU(hn::Add(hn::LoadU(d, sum + u), change), d, sum + u);
+    };
+    move(entering.valid, leaving.valid, sums.n);
+    move(entering.gradient, leaving.gradient, sums.g);
+    move(entering.residual, leaving.residual, sums.e);
+  }
+  const TagF df;
+  const TagHalf16 d16;
+  for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(df))) {
+    const auto g_in = ToFloat(hn::LoadU(d16, entering.gradient + u));
+    const auto e_in = ToFloat(hn::LoadU(d16, entering.residual + u));
+    const auto g_gone = ToFloat(hn::LoadU(d16, leaving.gradient + u));
+    const auto e_gone = ToFloat(hn::LoadU(d16, leaving.residual + u));
+    const auto move = [&](VecF in, VecF gone, float* sum) HWY_ATTR {
+      hn::StoreU(hn::Add(hn::LoadU(df, sum + u), hn::Sub(in, gone)), df, sum + u);
+    };
+    move(hn::Mul(g_in, g_in), hn::Mul(g_gone, g_gone), sums.gg);
+    move(hn::Mul(g_in, e_in), hn::Mul(g_gone, e_gone), sums.ge);
+    move(hn::Mul(e_in, e_in), hn::Mul(e_gone, e_gone), sums.ee);
   }
 }
 
@@ -251,90 +297,124 @@ struct WindowSums {
 };
 
 /// The window's pixels one by one, those of other surfaces left out.
-HWY_INLINE WindowSums SumsOfSurface(const RefinementRow* rows, int u, float max_jump) {
+HWY_INLINE WindowSums SumsOfSurface(const ResidualRow* rows, int u, std::int16_t max_jump) {
   const TagF df;
-  const auto centre = hn::LoadU(df, rows[kReach].residuals.disparity + u);
-  const auto jump = hn::Set(df, max_jump);
-  WindowSums s = {hn::Zero(df), hn::Zero(df), hn::Zero(df), hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+  const TagHalf16 d16;
+  const auto centre = hn::LoadU(d16, rows[kReach].disparity + u);
+  const auto jump = hn::Set(d16, max_jump), one = hn::Set(d16, 1);
+  auto n = hn::Zero(d16), sum_g = n, sum_e = n;
+  WindowSums s;
+  s.gg = s.ge = s.ee = hn::Zero(df);
   for (int r = 0; r < 5; ++r)
-    for (int i = 0; i < 5; ++i) {
-      const int at = u + i - kReach;
+    for (int i = -kReach; i <= kReach; ++i) {
+      const auto other = hn::LoadU(d16, rows[r].disparity + u + i);
       const auto same =
-          hn::Le(hn::Abs(hn::Sub(hn::LoadU(df, rows[r].residuals.disparity + at), centre)), jump);
-      const auto g = hn::IfThenElseZero(same, hn::LoadU(df, rows[r].residuals.gradient + at));
-      const auto e = hn::IfThenElseZero(same, hn::LoadU(df, rows[r].residuals.residual + at));
-      s.n = hn::Add(s.n, hn::IfThenElseZero(same, hn::LoadU(df, rows[r].residuals.valid + at)));
-      s.g = hn::Add(s.g, g);
-      s.e = hn::Add(s.e, e);
-      s.gg = hn::Add(s.gg, hn::Mul(g, g));
-      s.ge = hn::Add(s.ge, hn::Mul(g, e));
-      s.ee = hn::Add(s.ee, hn::Mul(e, e));
+          hn::AndNot(hn::Gt(hn::Abs(hn::Sub(other, centre)), jump), hn::Gt(other, hn::Zero(d16)));
+      const auto g = hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].gradient + u + i));
+      const auto e = hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].residual + u + i));
+      n = hn::Add(n, hn::IfThenElseZero(same, one));
+      sum_g = hn::Add(sum_g, g);
+      sum_e = hn::Add(sum_e, e);
+      const auto gf = ToFloat(g), ef = ToFloat(e);
+      s.gg = hn::Add(s.gg, hn::Mul(gf, gf));
+      s.ge = hn::Add(s.ge, hn::Mul(gf, ef));
+      s.ee = hn::Add(s.ee, hn::Mul(ef, ef));
     }
+  s.n = ToFloat(n), s.g = ToFloat(sum_g), s.e = ToFloat(sum_e);
   return s;
 }
 
-/// The middle one of five rows, whose residuals and sums are known: disparity and, if wanted, sigma out.
-void RefineRow(const RefinementRow* rows, int width, const RefineLimits& limits, float* disparity,
-               float* sigma) {
+/// 1 / x for x > 0 to 1e-5, by Newton's method from what the bits of x say. The same on every target, and
+/// faster than a division.
+HWY_INLINE VecF Reciprocal(VecF x) {
   const TagF df;
-  const auto zero = hn::Zero(df), one = hn::Set(df, 1.0f);
-  const auto v_unknown = hn::Set(df, std::numeric_limits<float>::quiet_NaN());
-  const auto max_step = hn::Set(df, limits.max_step);
+  const TagI di;
   const auto two = hn::Set(df, 2.0f);
+  auto y = hn::BitCast(df, hn::Sub(hn::Set(di, 0x7EF127EA), hn::BitCast(di, x)));
+  y = hn::Mul(y, hn::Sub(two, hn::Mul(x, y)));
+  return hn::Mul(y, hn::Sub(two, hn::Mul(x, y)));
+}
+
+/// 1 / sqrt(x) for x > 0 in the same way.
+HWY_INLINE VecF ReciprocalSqrt(VecF x) {
+  const TagF df;
+  const TagI di;
+  const auto half_x = hn::Mul(hn::Set(df, 0.5f), x), three_halves = hn::Set(df, 1.5f);
+  auto y = hn::BitCast(df, hn::Sub(hn::Set(di, 0x5F375A86), hn::ShiftRight<1>(hn::BitCast(di, x))));
+  y = hn::Mul(y, hn::Sub(three_halves, hn::Mul(half_x, hn::Mul(y, y))));
+  return hn::Mul(y, hn::Sub(three_halves, hn::Mul(half_x, hn::Mul(y, y))));
+}
+
+/// The middle one of five rows, whose residuals and sums are known: disparity and, if wanted, sigma out.
+void RefineRow(const ResidualRow* rows, const ColumnSums& columns, int width, const RefineLimits& limits,
+               float* disparity, float* sigma) {
+  const TagF df;
+  const TagHalf16 d16;
+  const auto zero = hn::Zero(df), one = hn::Set(df, 1.0f), two = hn::Set(df, 2.0f);
+  const auto full = hn::Set(df, kWindowPixels);
+  const auto unknown = hn::Set(df, std::numeric_limits<float>::quiet_NaN());
+  const auto px_per_unit = hn::Set(df, 1.0f / kUnitsPerPx);
+  const auto max_step = hn::Set(df, limits.max_step);
   const auto given_weight = hn::Set(df, 1.0f / (limits.given_sigma * limits.given_sigma));
   const auto unsupported_weight = hn::Set(df, 1.0f / (kUnsupportedSigma * kUnsupportedSigma));
   const auto sigma_scale = hn::Set(df, kSigmaScale);
-  const auto lost_sigma = hn::Set(df, limits.max_step);
-  const ResidualRow own_row = rows[kReach].residuals;
-  const SumRow sums[5] = {rows[0].sums, rows[1].sums, rows[2].sums, rows[3].sums, rows[4].sums};
+  const auto least_gg = hn::Set(df, kGreyUnits * kGreyUnits);
+  const auto rounding = hn::Set(df, kRoundingVariance);
+  const ResidualRow& own = rows[kReach];
   for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(df))) {
-    const auto known = hn::Gt(hn::LoadU(df, own_row.valid + u), zero);
+    const auto units = hn::LoadU(d16, own.disparity + u);
+    const auto d = hn::Mul(ToFloat(units), px_per_unit);
+    const auto known = hn::Gt(d, zero);
     if (hn::AllFalse(df, known)) {
-      hn::StoreU(v_unknown, df, disparity + u);
-      if (sigma) hn::StoreU(v_unknown, df, sigma + u);
+      hn::StoreU(unknown, df, disparity + u);
+      if (sigma) hn::StoreU(unknown, df, sigma + u);
       continue;
     }
-    const auto down = [&](float* const SumRow::*what) HWY_ATTR {
-      return SumOfFive(hn::LoadU(df, sums[0].*what + u), hn::LoadU(df, sums[1].*what + u),
-                       hn::LoadU(df, sums[2].*what + u), hn::LoadU(df, sums[3].*what + u),
-                       hn::LoadU(df, sums[4].*what + u));
+    const auto across = [&](auto tag, const auto* sums) HWY_ATTR {
+      return SumOfFive(hn::LoadU(tag, sums + u - 2), hn::LoadU(tag, sums + u - 1), hn::LoadU(tag, sums + u),
+                       hn::LoadU(tag, sums + u + 1), hn::LoadU(tag, sums + u + 2));
     };
-    WindowSums s = {down(&SumRow::n),  down(&SumRow::g),  down(&SumRow::e),
-                    down(&SumRow::gg), down(&SumRow::ge), down(&SumRow::ee)};
-    const auto d = hn::LoadU(df, own_row.disparity + u);
-    const auto at_edge = hn::And(known, hn::Gt(hn::LoadU(df, own_row.at_edge + u), zero));
-    if (!hn::AllFalse(df, at_edge)) {
-      const WindowSums own = SumsOfSurface(rows, u, limits.max_jump);
-      s.n = hn::IfThenElse(at_edge, own.n, s.n);
-      s.g = hn::IfThenElse(at_edge, own.g, s.g);
-      s.e = hn::IfThenElse(at_edge, own.e, s.e);
-      s.gg = hn::IfThenElse(at_edge, own.gg, s.gg);
-      s.ge = hn::IfThenElse(at_edge, own.ge, s.ge);
-      s.ee = hn::IfThenElse(at_edge, own.ee, s.ee);
+    WindowSums s = {ToFloat(across(d16, columns.n)), ToFloat(across(d16, columns.g)),
+                    ToFloat(across(d16, columns.e)), across(df, columns.gg),
+                    across(df, columns.ge),          across(df, columns.ee)};
+    const auto at_edge = hn::LoadU(d16, own.at_edge + u);
+    if (!hn::AllTrue(d16, hn::Eq(at_edge, hn::Zero(d16)))) {
+      const auto edge = hn::Gt(ToFloat(at_edge), zero);
+      const WindowSums same = SumsOfSurface(rows, u, limits.max_jump);
+      s.n = hn::IfThenElse(edge, same.n, s.n);
+      s.g = hn::IfThenElse(edge, same.g, s.g);
+      s.e = hn::IfThenElse(edge, same.e, s.e);
+      s.gg = hn::IfThenElse(edge, same.gg, s.gg);
+      s.ge = hn::IfThenElse(edge, same.ge, s.ge);
+      s.ee = hn::IfThenElse(edge, same.ee, s.ee);
+    }
+    // Mostly all windows are full.
+    auto inv_n = hn::Set(df, 1.0f / kWindowPixels), inv_freedom = hn::Set(df, 1.0f / (kWindowPixels - 2));
+    const auto is_full = hn::Eq(s.n, full);
+    if (!hn::AllTrue(df, is_full)) {
+      inv_n = hn::IfThenElse(is_full, inv_n, Reciprocal(hn::Max(s.n, one)));
+      inv_freedom = hn::IfThenElse(is_full, inv_freedom, Reciprocal(hn::Max(hn::Sub(s.n, two), one)));
     }
     // The window's mean brightness difference is not ours to explain.
-    const auto inv_n = Reciprocal(s.n);
-    const auto gg = hn::Sub(s.gg, hn::Mul(hn::Mul(s.g, s.g), inv_n));
-    const auto ge = hn::Sub(s.ge, hn::Mul(hn::Mul(s.g, s.e), inv_n));
-    const auto ee = hn::Sub(s.ee, hn::Mul(hn::Mul(s.e, s.e), inv_n));
+    const auto mean_g = hn::Mul(s.g, inv_n);
+    const auto gg = hn::Max(hn::Sub(s.gg, hn::Mul(s.g, mean_g)), zero);
+    const auto ge = hn::Sub(s.ge, hn::Mul(s.e, mean_g));
+    const auto ee = hn::Sub(s.ee, hn::Mul(s.e, hn::Mul(s.e, inv_n)));
     // What the best step would leave unexplained is the noise of the images.
-    const auto explained = hn::Div(hn::Mul(ge, ge), hn::Max(gg, one));
-    const auto variance =
-        hn::Add(hn::Div(hn::Max(hn::Sub(ee, explained), zero), hn::Max(hn::Sub(s.n, two), one)),
-                hn::Set(df, kRoundingVariance));
+    const auto explained = hn::Mul(hn::Mul(ge, ge), Reciprocal(hn::Max(gg, least_gg)));
+    const auto variance = hn::Add(hn::Mul(hn::Max(hn::Sub(ee, explained), zero), inv_freedom), rounding);
     // left(u) - right(u - d) = -gradient * step for a disparity that is too small by step. The disparity
     // given counts as a measurement too, so that noise does not decide where there is no texture.
-    const auto information = hn::Add(gg, hn::Mul(variance, given_weight));
-    const auto step = hn::Neg(hn::Div(ge, information));
+    const auto step = hn::Neg(hn::Mul(ge, Reciprocal(hn::Add(gg, hn::Mul(variance, given_weight)))));
     const auto moves = hn::Le(hn::Abs(step), max_step);
-    hn::StoreU(hn::IfThenElse(known, hn::Add(d, hn::IfThenElseZero(moves, step)), v_unknown), df,
+    hn::StoreU(hn::IfThenElse(known, hn::Add(d, hn::IfThenElseZero(moves, step)), unknown), df,
                disparity + u);
     if (!sigma) continue;
-    const auto v_sigma = hn::IfThenElse(
-        moves,
-        hn::Mul(sigma_scale, hn::Sqrt(hn::Div(variance, hn::Add(gg, hn::Mul(variance, unsupported_weight))))),
-        lost_sigma);
-    hn::StoreU(hn::IfThenElse(known, v_sigma, v_unknown), df, sigma + u);
+    // sqrt(variance / information)
+    const auto information = hn::Add(gg, hn::Mul(variance, unsupported_weight));
+    const auto supported = hn::Mul(variance, ReciprocalSqrt(hn::Mul(variance, information)));
+    const auto v_sigma = hn::IfThenElse(moves, hn::Mul(sigma_scale, supported), max_step);
+    hn::StoreU(hn::IfThenElse(known, v_sigma, unknown), df, sigma + u);
   }
 }
 
@@ -344,29 +424,32 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace terrace {
-HWY_EXPORT(DisparitySumsOfRow);
+HWY_EXPORT(ToUnits);
+HWY_EXPORT(DisparitiesOfColumns);
 HWY_EXPORT(ResidualsOfRow);
-HWY_EXPORT(SumsOfRow);
+HWY_EXPORT(MoveColumnSums);
 HWY_EXPORT(RefineRow);
 
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr int kRowsPerStrip = 40;
-constexpr int kRing = 2 * kReach + 1;  // rows whose sums are needed at once
+constexpr int kRing = 2 * kReach + 2;  // rows needed at once: those of a window, and the one that leaves it
 
 /// How much brighter the left image is, from every eighth row's pixels with a disparity: ratio of their
 /// spreads.
-float MeasureGain(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1f& disparity) {
+/// @param units  disparities, with margins
+float MeasureGain(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat_<std::int16_t>& units) {
   std::int64_t n = 0, l1 = 0, r1 = 0, l2 = 0, r2 = 0;
-  for (int v = 4; v < left.rows; v += 8)
+  for (int v = 4; v < left.rows; v += 8) {
+    const std::int16_t* disparity = units[v] + kRowMargin;
     for (int u = 0; u < left.cols; u += 2) {
-      const float x = static_cast<float>(u) - disparity(v, u);
-      if (!(x >= 0.0f)) continue;
-      const std::int64_t l = left(v, u), r = right(v, std::min(static_cast<int>(x + 0.5f), right.cols - 1));
+      const int x = (u * kUnitsPerPx - disparity[u] + kUnitsPerPx / 2) / kUnitsPerPx;
+      if (disparity[u] == 0 || x < 0) continue;
+      const std::int64_t l = left(v, u), r = right(v, std::min(x, right.cols - 1));
       if (l == 0 || l == 255 || r == 0 || r == 255) continue;
       ++n, l1 += l, r1 += r, l2 += l * l, r2 += r * r;
     }
+  }
   if (n < 100) return 1.0f;
   const double var_l =
       static_cast<double>(l2) - static_cast<double>(l1) * static_cast<double>(l1) / static_cast<double>(n);
@@ -376,46 +459,49 @@ float MeasureGain(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1f
   return static_cast<float>(std::clamp(std::sqrt(var_l / var_r), 0.5, 2.0));
 }
 
+std::size_t Padded(int width) { return static_cast<std::size_t>((width + 63) / 64 * 64); }
+
 }  // namespace
 
-/// What one thread holds while it works on a strip: the last kRing rows, and the results of one.
+/// What one thread holds while it works on a strip: the residuals of the last kRing rows, sums of their
+/// columns, and the results of one row.
 class Refiner::StripRows {
  public:
   void Prepare(int width) {
-    if (width == width_) return;
-    width_ = width;
-    const std::size_t stride = static_cast<std::size_t>((width + 63) / 64 * 64 + 2 * kRowMargin);
-    constexpr std::size_t kNumArrays = 15;
-    const std::size_t total = (kNumArrays * kRing + 3) * stride;
-    float* next = floats_.Reserve(total);
-    std::fill(next, next + total, 0.0f);
-    const auto take = [&] {
-      float* row = next + kRowMargin;
-      next += stride;
-      return row;
-    };
-    for (RefinementRow& row : ring_) {
-      row.disparities = {take(), take(), take(), take()};
-      row.residuals = {take(), take(), take(), take(), take()};
-      row.sums = {take(), take(), take(), take(), take(), take()};
+    const std::size_t stride = Padded(width) + 2 * kRowMargin;
+    constexpr std::size_t kNumResiduals = 5;
+    constexpr std::size_t kNumShorts = 3 + kNumResiduals * kRing + 3;
+    if (width != width_) {
+      width_ = width;
+      std::int16_t* next = shorts_.Reserve(kNumShorts * stride);
+      const auto take_shorts = [&] { return std::exchange(next, next + stride) + kRowMargin; };
+      float* next_float = floats_.Reserve(5 * stride);
+      const auto take_floats = [&] { return std::exchange(next_float, next_float + stride) + kRowMargin; };
+      columns = {take_shorts(), take_shorts(), take_shorts()};
+      for (ResidualRow& row : ring_)
+        row = {take_shorts(), take_shorts(), take_shorts(), take_shorts(), take_shorts()};
+      sums = {take_shorts(), take_shorts(), take_shorts(), take_floats(), take_floats(), take_floats()};
+      disparity = take_floats();
+      sigma = take_floats();
     }
-    disparity = take();
-    sigma = take();
-    unknown = take();
-    std::fill(unknown - kRowMargin, unknown - kRowMargin + stride, kUnknown);
+    // No row has entered the sums yet.
+    std::fill_n(shorts_.data(), kNumShorts * stride, std::int16_t{0});
+    std::fill_n(floats_.data(), 5 * stride, 0.0f);
   }
-  RefinementRow& At(int v) { return ring_[(v + 2 * kRing) % kRing]; }
+  ResidualRow& At(int v) { return ring_[(v + 2 * kRing) % kRing]; }
   /// Rows v - kReach to v + kReach.
-  std::array<RefinementRow, kRing> Around(int v) {
+  std::array<ResidualRow, 2 * kReach + 1> Around(int v) {
     return {At(v - 2), At(v - 1), At(v), At(v + 1), At(v + 2)};
   }
+  ColumnDisparities columns;
+  ColumnSums sums;
   float* disparity = nullptr;
   float* sigma = nullptr;
-  float* unknown = nullptr;  ///< a row of unknown disparities
 
  private:
   int width_ = 0;
-  std::array<RefinementRow, kRing> ring_;
+  std::array<ResidualRow, kRing> ring_;
+  AlignedArray<std::int16_t> shorts_;
   AlignedArray<float> floats_;
 };
 
@@ -423,7 +509,8 @@ class Refiner::Scratch {
  public:
   tbb::enumerable_thread_specific<StripRows> rows;
   cv::Mat1b padded_left, padded_right;
-  cv::Mat1f given;
+  cv::Mat_<std::int16_t> given, refined;  ///< disparities in units, with margins that are unknown
+  std::vector<std::int16_t> unknown;      ///< a row outside the image
 };
 
 Refiner::Refiner(const RefinementSettings& settings)
@@ -431,48 +518,63 @@ Refiner::Refiner(const RefinementSettings& settings)
 Refiner::~Refiner() = default;
 
 void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma) {
-  const int height = left.rows;
-  cv::copyMakeBorder(left, scratch_->padded_left, 0, 0, kImageBorder, kImageBorder, cv::BORDER_REPLICATE);
-  cv::copyMakeBorder(right, scratch_->padded_right, 0, 0, kImageBorder, kImageBorder, cv::BORDER_REPLICATE);
+  const int width = left.cols, height = left.rows;
+  const int num_strips = (height + kRowsPerStrip - 1) / kRowsPerStrip;
+  Scratch& scratch = *scratch_;
+  cv::copyMakeBorder(left, scratch.padded_left, 0, 0, kImageBorder, kImageBorder, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(right, scratch.padded_right, 0, 0, kImageBorder, kImageBorder, cv::BORDER_REPLICATE);
   if (sigma) sigma->create(left.size());
-  const RefineLimits limits = {settings_.max_step_px, settings_.max_jump_px, settings_.given_sigma_px,
-                               MeasureGain(left, right, disparity)};
-  for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
-    cv::copyMakeBorder(disparity, scratch_->given, 0, 0, kRowMargin, kRowMargin, cv::BORDER_CONSTANT,
-                       kUnknown);
-    const bool last = iteration + 1 == settings_.iterations;
-    ParallelFor((height + kRowsPerStrip - 1) / kRowsPerStrip, [&](int strip) {
+  const int stride = static_cast<int>(Padded(width)) + 2 * kRowMargin;
+  if (scratch.given.size() != cv::Size(stride, height)) {
+    scratch.given = cv::Mat_<std::int16_t>::zeros(height, stride);
+    scratch.refined = scratch.given.clone();
+    scratch.unknown.assign(stride, 0);
+  }
+  ParallelFor(height, [&](int v) {
+    HWY_DYNAMIC_DISPATCH(ToUnits)(disparity[v], width, scratch.given[v] + kRowMargin);
+  });
+  const float gain = MeasureGain(left, right, scratch.given);
+  const RefineLimits limits = {static_cast<std::int16_t>(std::lround(settings_.max_jump_px * kUnitsPerPx)),
+                               static_cast<std::int16_t>(std::lround(gain * 8192)), settings_.max_step_px,
+                               settings_.given_sigma_px};
+  for (int iteration = 1; iteration <= settings_.iterations; ++iteration) {
+    const bool last = iteration == settings_.iterations;
+    ParallelFor(num_strips, [&](int strip) {
       const int top = strip * kRowsPerStrip;
-      RefineStrip(top, std::min(top + kRowsPerStrip, height), limits, disparity, last ? sigma : nullptr);
+      RefineStrip(top, std::min(top + kRowsPerStrip, height), limits, last ? &disparity : nullptr,
+                  last ? sigma : nullptr);
     });
+    std::swap(scratch.given, scratch.refined);
   }
 }
 
 /// Three steps, each a few rows behind the one before.
-void Refiner::RefineStrip(int top, int bottom, const RefineLimits& limits, cv::Mat1f& disparity,
+void Refiner::RefineStrip(int top, int bottom, const RefineLimits& limits, cv::Mat1f* disparity,
                           cv::Mat1f* sigma) {
-  const int width = disparity.cols, height = disparity.rows;
+  const int width = scratch_->padded_left.cols - 2 * kImageBorder, height = scratch_->padded_left.rows;
   StripRows& rows = scratch_->rows.local();
   rows.Prepare(width);
-  for (int v = top - 2 * kReach; v < bottom + 2 * kReach; ++v) {
-    RefinementRow& row = rows.At(v);
-    row.given = v >= 0 && v < height ? scratch_->given[v] + kRowMargin : rows.unknown;
-    HWY_DYNAMIC_DISPATCH(DisparitySumsOfRow)(row.given, width, row.disparities);
-
-    const int v_residuals = v - kReach;
-    if (v_residuals < top - kReach) continue;
-    const int v_image = std::clamp(v_residuals, 0, height - 1);
+  const auto given = [&](int v) {
+    return (v >= 0 && v < height ? scratch_->given[v] : scratch_->unknown.data()) + kRowMargin;
+  };
+  for (int v = top - kReach; v < bottom + kReach; ++v) {
+    const std::int16_t* around[] = {given(v - 2), given(v - 1), given(v), given(v + 1), given(v + 2)};
+    HWY_DYNAMIC_DISPATCH(DisparitiesOfColumns)
+    (around, width, rows.columns);
+    const int v_image = std::clamp(v, 0, height - 1);
     HWY_DYNAMIC_DISPATCH(ResidualsOfRow)
-    (&scratch_->padded_left(v_image, kImageBorder), &scratch_->padded_right(v_image, kImageBorder),
-     rows.Around(v_residuals).data(), width, limits);
-    const RefinementRow& with_residuals = rows.At(v_residuals);
-    HWY_DYNAMIC_DISPATCH(SumsOfRow)(with_residuals.residuals, width, with_residuals.sums);
+    (&scratch_->padded_left(v_image, kImageBorder), &scratch_->padded_right(v_image, kImageBorder), around,
+     rows.columns, width, limits, rows.At(v));
+    HWY_DYNAMIC_DISPATCH(MoveColumnSums)(rows.At(v), rows.At(v - kRing + 1), width, rows.sums);
 
-    const int v_refined = v - 2 * kReach;
+    const int v_refined = v - kReach;
     if (v_refined < top) continue;
     HWY_DYNAMIC_DISPATCH(RefineRow)
-    (rows.Around(v_refined).data(), width, limits, rows.disparity, sigma ? rows.sigma : nullptr);
-    std::memcpy(disparity[v_refined], rows.disparity, sizeof(float) * width);
+    (rows.Around(v_refined).data(), rows.sums, width, limits, rows.disparity, sigma ? rows.sigma : nullptr);
+    if (disparity)
+      std::memcpy((*disparity)[v_refined], rows.disparity, sizeof(float) * width);
+    else
+      HWY_DYNAMIC_DISPATCH(ToUnits)(rows.disparity, width, scratch_->refined[v_refined] + kRowMargin);
     if (sigma) std::memcpy((*sigma)[v_refined], rows.sigma, sizeof(float) * width);
   }
 }

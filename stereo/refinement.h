@@ -34,7 +34,7 @@ class Refiner {
  private:
   class StripRows;
   class Scratch;
-  void RefineStrip(int top, int bottom, const RefineLimits& limits, cv::Mat1f& disparity, cv::Mat1f* sigma);
+  void RefineStrip(int top, int bottom, const RefineLimits& limits, cv::Mat1f* disparity, cv::Mat1f* sigma);
 
   RefinementSettings settings_;
   std::unique_ptr<Scratch> scratch_;

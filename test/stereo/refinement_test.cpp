@@ -54,6 +54,19 @@ TEST(RefinementTest, FindsAPlaneFromRoughDisparitiesDespiteGainAndOffset) {
   EXPECT_LT(std::sqrt(squares / count), 0.06);
 }
 
+TEST(RefinementTest, RefinesTheGreatestDisparities) {
+  const SlantedPlane plane{254.3, 0.0, 0.0};
+  const StereoFrame frame = RenderPlane(400, 40, plane);
+  cv::Mat1f disparity = RoughDisparity(400, 40, plane, 0.3), sigma;
+  Refiner({}).Refine(frame.left, frame.right, disparity, &sigma);
+  std::vector<float> found;
+  for (int v = 5; v < 35; ++v)
+    for (int u = 260; u < 395; ++u)
+      if (!std::isnan(disparity(v, u))) found.push_back(disparity(v, u));
+  std::nth_element(found.begin(), found.begin() + found.size() / 2, found.end());
+  EXPECT_NEAR(found[found.size() / 2], 254.3, 0.02);
+}
+
 TEST(RefinementTest, GivesTheSameBitsOnEveryTarget) {
   const SlantedPlane plane{6.2, 0.02, 0.3};
   const StereoFrame frame = RenderPlane(101, 37, plane);
