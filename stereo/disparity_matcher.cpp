@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
-#include <utility>
 
 #include "core/check.h"
 #include "stereo/depth_edges.h"
@@ -35,6 +34,22 @@ SemiGlobalSettings MatchingSettings(const DisparityConfig& config, const std::st
   settings.winner.max_left_right_error = static_cast<int>(std::lround(config.max_left_right_error_px));
   return settings;
 }
+
+/// Images that are used again when nobody else holds them any more: memory that is fresh for every frame
+/// costs a tenth of the work in page faults.
+class ImagePool {
+ public:
+  cv::Mat1f Take(const cv::Size& size) {
+    for (const cv::Mat1f& image : images_)
+      if (image.size() == size && CV_XADD(&image.u->refcount, 0) == 1) return image;
+    if (images_.size() == kMaxImages) images_.erase(images_.begin());
+    return images_.emplace_back(size);
+  }
+
+ private:
+  static constexpr std::size_t kMaxImages = 12;  // of frames that are under way
+  std::vector<cv::Mat1f> images_;
+};
 
 /// Gives each unknown pixel a rough disparity: the lesser of those that end its gap in the row, as the
 /// further surface is the one that is hidden; that of the row above where the whole row is unknown.
@@ -132,9 +147,15 @@ class DisparityMatcher::Impl {
   }
 
   DisparityImage MatchAll(const StereoFrame& frame, const DisparityPrior* prior) {
-    DisparityImage result{frame.frame_id, frame.t_capture, {}, {}};
-    MatchHalved(frame, prior, result.disparity_px);
-    if (config_.tier == "quality") MatchAgain(frame, result.disparity_px);
+    const cv::Size size = frame.left.size();
+    DisparityImage result{frame.frame_id, frame.t_capture, results_.Take(size), results_.Take(size)};
+    if (config_.tier == "quality") {
+      rough_disparity_.create(size);
+      MatchHalved(frame, prior, rough_disparity_);
+      MatchAgain(frame, rough_disparity_, result.disparity_px);
+    } else {
+      MatchHalved(frame, prior, result.disparity_px);
+    }
     edges_.Sharpen(frame.left, frame.right, result.disparity_px);
     refiner_.Refine(frame.left, frame.right, result.disparity_px, &result.sigma_px);
     return result;
@@ -184,10 +205,9 @@ class DisparityMatcher::Impl {
   }
 
   /// Full resolution, near what the halved images show.
-  void MatchAgain(const StereoFrame& frame, cv::Mat1f& disparity) {
-    FillFromFurther(disparity);
-    full_matcher_.MatchNear(frame.left, frame.right, disparity, full_disparity_);
-    std::swap(disparity, full_disparity_);
+  void MatchAgain(const StereoFrame& frame, cv::Mat1f& rough, cv::Mat1f& disparity) {
+    FillFromFurther(rough);
+    full_matcher_.MatchNear(frame.left, frame.right, rough, disparity);
     RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity);
   }
 
@@ -202,7 +222,6 @@ class DisparityMatcher::Impl {
       half_disparity_.setTo(kUnknown, half_disparity_ > 0.5 * config_.max_disparity_px);
     RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
     half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr);
-    disparity.create(frame.left.size());
     DoubleDisparity(half_disparity_, disparity);
   }
 
@@ -215,7 +234,8 @@ class DisparityMatcher::Impl {
   Refiner refiner_;
   Refiner half_refiner_{{.iterations = 2}};
   cv::Mat1b half_left_, half_right_;
-  cv::Mat1f half_disparity_, full_disparity_;
+  cv::Mat1f half_disparity_, rough_disparity_;
+  ImagePool results_;
 };
 
 DisparityMatcher::DisparityMatcher(const DisparityConfig& config) {

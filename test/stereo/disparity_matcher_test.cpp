@@ -85,6 +85,15 @@ TEST_P(DisparityMatcherTest, GivesTheSameBitsForAnyNumberOfThreadsAndOnEveryTarg
   }
 }
 
+TEST_P(DisparityMatcherTest, LeavesResultsAloneThatSomebodyStillHolds) {
+  DisparityMatcher matcher(Tier(GetParam(), 32));
+  const DisparityImage first = matcher.Match(RenderPlane(96, 64, {8.3, 0.01, 0.05}));
+  const cv::Mat1f disparity = first.disparity_px.clone(), sigma = first.sigma_px.clone();
+  for (int i = 0; i < 20; ++i) matcher.Match(RenderPlane(96, 64, {5.0 + i, 0.0, 0.0}));
+  EXPECT_EQ(std::memcmp(disparity.data, first.disparity_px.data, disparity.total() * sizeof(float)), 0);
+  EXPECT_EQ(std::memcmp(sigma.data, first.sigma_px.data, sigma.total() * sizeof(float)), 0);
+}
+
 TEST_P(DisparityMatcherTest, TakesAnyImageFromSixteenPixelsOnAndAnyRange) {
   for (const cv::Size size : {cv::Size(16, 16), cv::Size(17, 31), cv::Size(300, 16)})
     for (const int range : {16, 48, 256}) {
