@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 #include "core/check.h"
@@ -31,14 +32,18 @@ constexpr int kMaxShift = 33;
 
 /// Where the work on a strip goes on.
 struct StripMemory {
-  std::uint8_t* costs;     // of kRowsTogether rows
-  std::uint8_t* sums;      // of three paths, of all rows of the strip and one more
-  std::uint8_t* row_sums;  // of all four paths, of one row
-  std::uint8_t* paths[2];  // state of the vertical paths: the row before and this one
-  std::uint8_t* minima;    // of the vertical paths' last row
+  std::uint8_t* costs;        // of kRowsTogether rows
+  std::uint8_t* sums;         // of three paths, of all rows of the strip and one more
+  std::uint8_t* row_sums;     // of all four paths, of one row
+  std::uint8_t* paths[2];     // state of the vertical paths: the row before and this one
+  std::uint8_t* minima;       // of the vertical paths' last row
+  std::uint8_t *shifts, *p2;  // of ranges of 16: of kRowsTogether rows
   std::size_t row_bytes;
   int padded_width;
 };
+
+/// In place of the number of vectors that hold the disparities of a pixel: one vector holds those of several.
+constexpr int kOfBlocks = -1;
 
 alignas(64) constexpr std::uint8_t kNoCosts[256] = {};
 
@@ -183,6 +188,189 @@ void HorizontalRows(D d, const RowPointers* rows, int width, int n, std::uint8_t
   }
 }
 
+/// Ranges of 16 disparities leave most of a vector empty. As many pixels as it has blocks of 16 bytes are
+/// worked on together: neighbours in a row by the vertical paths, rows by the horizontal ones. Their state is
+/// L(p, d) - min L(p), inverted: what is outside the range is then 0, which byte shifts and look-ups give.
+template <class D>
+class Blocks {
+ public:
+  static constexpr int kNum = static_cast<int>(hn::MaxLanes(D())) / 16;
+  using V = hn::Vec<D>;
+
+  /// All bytes of block i are the i-th of `bytes`.
+  static HWY_INLINE V Replicate(std::uint32_t bytes) {
+    const D d;
+    const hn::Repartition<std::uint32_t, D> d32;
+    HWY_ALIGN static constexpr std::uint8_t kIndices[64] = {
+        0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+        2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3};
+    return hn::TableLookupBytes(hn::BitCast(d, hn::Set(d32, bytes)), hn::Load(d, kIndices));
+  }
+  /// The next bytes from `bytes` on, one for each block; the others are 0.
+  static HWY_INLINE std::uint32_t Next(const std::uint8_t* bytes) {
+    std::uint32_t word;
+    std::memcpy(&word, bytes, 4);
+    return kNum == 4 ? word : word & ((1u << (8 * kNum % 32)) - 1);
+  }
+  /// 16 bytes from `of(i)` on in block i.
+  template <class Of>
+  static HWY_INLINE V Load(const Of& of) {
+    return LoadFrom<0>(D(), of);
+  }
+  template <class Of>
+  static HWY_INLINE void Store(V v, const Of& of) {
+    StoreTo<0>(D(), v, of);
+  }
+  /// The least byte of each block, in all of its bytes.
+  static HWY_INLINE V MinimumOfBlocks(V v) {
+    const D d;
+    HWY_ALIGN static constexpr std::uint8_t kBy[4][16] = {
+        {8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7},
+        {4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3},
+        {2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1},
+        {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0}};
+    for (const auto& by : kBy) v = hn::Min(v, hn::TableLookupBytes(v, hn::LoadDup128(d, by)));
+    return v;
+  }
+  /// The inverse of min(L(q, d), L(q, d -+ 1) + P1, P2).
+  /// @param before  the state of q
+  /// @param shifts  by which the index moves from p's range to that of q
+  static HWY_INLINE V Best(V before, std::uint32_t shifts, bool negative, V p1, V p2) {
+    const D d;
+    V same = before, up = hn::ShiftLeftBytes<1>(before), down = hn::ShiftRightBytes<1>(d, before);
+    if (shifts != 0) {
+      const V shift = Replicate(shifts);
+      const V iota = hn::LoadDup128(d, kIota);
+      const V index = negative ? hn::Sub(iota, shift) : hn::Add(iota, shift);
+      const auto look_up = [&](V at) HWY_ATTR {
+        const V outside_has_high_bit = hn::SaturatedAdd(at, hn::Set(d, 0x70));
+        return hn::TableLookupBytesOr0(before, hn::And(outside_has_high_bit, hn::Set(d, 0x8F)));
+      };
+      same = look_up(index);
+      up = look_up(hn::Sub(index, hn::Set(d, 1)));
+      down = look_up(hn::Add(index, hn::Set(d, 1)));
+    }
+    return hn::Max(hn::Max(same, hn::SaturatedSub(hn::Max(up, down), p1)), hn::Not(p2));
+  }
+  HWY_ALIGN static constexpr std::uint8_t kIota[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+ private:
+  template <int kFirst, class DPart, class Of>
+  static HWY_INLINE hn::Vec<DPart> LoadFrom(DPart d, const Of& of) {
+    if constexpr (hn::MaxLanes(DPart()) == 16) {
+      return hn::LoadU(d, of(kFirst));
+    } else {
+      const hn::Half<DPart> half;
+      constexpr int kHalf = static_cast<int>(hn::MaxLanes(DPart())) / 32;
+      const auto lower = LoadFrom<kFirst>(half, of);
+      return hn::Combine(d, LoadFrom<kFirst + kHalf>(half, of), lower);
+    }
+  }
+  template <int kFirst, class DPart, class Of>
+  static HWY_INLINE void StoreTo(DPart d, hn::Vec<DPart> v, const Of& of) {
+    if constexpr (hn::MaxLanes(DPart()) == 16) {
+      hn::StoreU(v, d, of(kFirst));
+    } else {
+      const hn::Half<DPart> half;
+      constexpr int kHalf = static_cast<int>(hn::MaxLanes(DPart())) / 32;
+      StoreTo<kFirst>(half, hn::LowerHalf(half, v), of);
+      StoreTo<kFirst + kHalf>(half, hn::UpperHalf(half, v), of);
+    }
+  }
+};
+
+/// Costs of the pixels from u on, one in each block.
+template <class D>
+HWY_INLINE hn::Vec<D> CostsOfBlocks(D d, const RowPointers& row, int u) {
+  using B = Blocks<D>;
+  const auto right_u = [&](int i) { return u + i - (row.first[u + i] + 15); };
+  hn::Vec<D> words[CensusImage::kNumPlanes];
+  auto cost = hn::Zero(d);
+  for (int p = 0; p < CensusImage::kNumPlanes; ++p) {
+    words[p] = B::Replicate(B::Next(row.left[p] + u));
+    const auto right = B::Load([&](int i) { return row.right[p] + right_u(i); });
+    cost = hn::Add(cost, hn::PopulationCount(hn::Xor(words[p], right)));
+  }
+  bool any_outside = false;
+  for (int i = 0; i < B::kNum; ++i) any_outside |= right_u(i) < 0;
+  if (any_outside) {
+    std::uint32_t num_outside = 0;
+    for (int i = 0; i < B::kNum; ++i)
+      num_outside |= static_cast<std::uint32_t>(std::clamp(-right_u(i), 0, 16)) << (8 * i);
+    const auto outside = hn::Lt(hn::LoadDup128(d, B::kIota), B::Replicate(num_outside));
+    const auto shown = hn::Add(hn::Add(hn::PopulationCount(words[0]), hn::PopulationCount(words[1])),
+                               hn::Add(hn::PopulationCount(words[2]), hn::PopulationCount(words[3])));
+    cost = hn::IfThenElse(outside, hn::Min(shown, hn::Set(d, kMaxCostOutside)), cost);
+  }
+  return hn::Add(cost, hn::LoadDup128(d, row.prior_costs));
+}
+
+/// VerticalRow for ranges of 16.
+template <Sums kSums, class D>
+void VerticalRowOfBlocks(D d, const RowPointers& row, int width, std::uint8_t p1, const StripMemory& memory) {
+  using B = Blocks<D>;
+  const auto v_p1 = hn::Set(d, p1);
+  const hn::FixedTag<std::int16_t, 8> d16;
+  const hn::Rebind<std::int8_t, decltype(d16)> d8;
+  for (int u = 0; u < width; u += 8) {
+    const auto shift = hn::Sub(hn::LoadU(d16, row.first_before + u), hn::LoadU(d16, row.first + u));
+    hn::StoreU(hn::DemoteTo(d8, shift), d8, reinterpret_cast<std::int8_t*>(memory.shifts) + u);
+  }
+  for (int u = 0; u < width; u += B::kNum) {
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(u) * 16;
+    auto cost = hn::Undefined(d);
+    if constexpr (kSums == Sums::kAdd) {
+      cost = hn::Load(d, row.costs + at);
+    } else {
+      cost = CostsOfBlocks(d, row, u);
+      if constexpr (kSums == Sums::kSet) hn::Store(cost, d, row.costs + at);
+    }
+    const auto best = B::Best(hn::Load(d, memory.paths[0] + at), B::Next(memory.shifts + u), false, v_p1,
+                              B::Replicate(B::Next(row.p2 + u)));
+    const auto value = hn::Add(cost, hn::Not(best));
+    hn::Store(hn::Not(hn::Sub(value, B::MinimumOfBlocks(value))), d, memory.paths[1] + at);
+    if constexpr (kSums == Sums::kSet) hn::Store(value, d, row.sums + at);
+    if constexpr (kSums == Sums::kAdd)
+      hn::Store(hn::SaturatedAdd(value, hn::Load(d, row.sums + at)), d, memory.row_sums + at);
+  }
+}
+
+/// HorizontalRows for ranges of 16.
+template <class D>
+void HorizontalRowsOfBlocks(D d, const RowPointers* rows, int width, std::uint8_t p1, std::uint8_t* shifts,
+                            std::uint8_t* p2) {
+  using B = Blocks<D>;
+  constexpr int kNumGroups = kRowsTogether / B::kNum;
+  // From the left, rows interleaved; from the right it is the other way round. More than 16 is as good as
+  // any.
+  for (int r = 0; r < kRowsTogether; ++r) {
+    const std::int16_t* first = rows[r].first;
+    shifts[r] = shifts[width * kRowsTogether + r] = 0;
+    for (int u = 1; u < width; ++u)
+      shifts[u * kRowsTogether + r] = static_cast<std::uint8_t>(std::clamp(first[u - 1] - first[u], -99, 99));
+    for (int u = 0; u <= width; ++u) p2[u * kRowsTogether + r] = rows[r].p2[u];
+  }
+  const auto v_p1 = hn::Set(d, p1);
+  HWY_ALIGN std::uint8_t states[2][kNumGroups][B::kNum * 16];
+  std::memset(states, 255, sizeof(states));
+  for (int i = 0; i < width; ++i)
+    for (int side = 0; side < 2; ++side)
+      for (int g = 0; g < kNumGroups; ++g) {
+        const int u = side == 0 ? i : width - 1 - i;
+        const RowPointers* group = rows + g * B::kNum;
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(u) * 16;
+        const int beside = (u + side) * kRowsTogether + g * B::kNum;
+        const auto sums_of = [&](int r) { return group[r].sums + at; };
+        const auto best = B::Best(hn::Load(d, states[side][g]), B::Next(shifts + beside), side == 1, v_p1,
+                                  B::Replicate(B::Next(p2 + beside)));
+        const auto value = hn::Add(B::Load([&](int r) { return group[r].costs + at; }), hn::Not(best));
+        hn::Store(hn::Not(hn::Sub(value, B::MinimumOfBlocks(value))), d, states[side][g]);
+        B::Store(hn::SaturatedAdd(value, B::Load(sums_of)), sums_of);
+      }
+}
+
+/// @tparam kVectors  that hold the disparities of a pixel; 0: not known before; kOfBlocks: several in one
+/// vector
 template <int kVectors, class D>
 void AggregateWith(D d, const MatchingProblem& problem, const Strip& strip,
                    const PathAggregator::UseRow& use_row, StripMemory memory) {
@@ -202,11 +390,16 @@ void AggregateWith(D d, const MatchingProblem& problem, const Strip& strip,
     row.first_before = problem.ranges->First(v_before);
     row.prior_costs = problem.prior_costs ? problem.prior_costs : kNoCosts;
     const std::ptrdiff_t in_strip = std::clamp(v, strip.top, strip.bottom - 1) - strip.top;
-    row.costs = memory.costs + (in_strip % kRowsTogether) * static_cast<std::ptrdiff_t>(memory.row_bytes);
+    const std::ptrdiff_t in_costs = kVectors == kOfBlocks ? in_strip : in_strip % kRowsTogether;
+    row.costs = memory.costs + in_costs * static_cast<std::ptrdiff_t>(memory.row_bytes);
     row.sums = memory.sums + in_strip * static_cast<std::ptrdiff_t>(memory.row_bytes);
     return row;
   };
   const auto start_paths = [&] {
+    if constexpr (kVectors == kOfBlocks) {
+      std::memset(memory.paths[0], 255, static_cast<std::size_t>(memory.padded_width) * 16);
+      return;
+    }
     for (std::uint8_t* path : memory.paths)
       for (int u = -1; u < memory.padded_width; ++u, path += path_bytes) {
         std::memset(path - kPathPadding, 255, kPathPadding);
@@ -223,17 +416,29 @@ void AggregateWith(D d, const MatchingProblem& problem, const Strip& strip,
       if (top + r >= strip.bottom)  // a row nobody reads, behind the strip's own
         rows[r].sums = memory.sums + static_cast<std::size_t>(strip.bottom - strip.top) * memory.row_bytes;
     }
-    HorizontalRows<kVectors>(d, rows, width, n, p1);
+    if constexpr (kVectors == kOfBlocks)
+      HorizontalRowsOfBlocks(d, rows, width, p1, memory.shifts, memory.p2);
+    else
+      HorizontalRows<kVectors>(d, rows, width, n, p1);
   };
+  const auto vertical_path = [&](auto sums, const RowPointers& row) {
+    if constexpr (kVectors == kOfBlocks)
+      VerticalRowOfBlocks<sums.value>(d, row, width, p1, memory);
+    else
+      VerticalRow<kVectors, sums.value>(d, row, width, n, p1, memory);
+  };
+  constexpr std::integral_constant<Sums, Sums::kNone> kNone;
+  constexpr std::integral_constant<Sums, Sums::kSet> kSet;
+  constexpr std::integral_constant<Sums, Sums::kAdd> kAdd;
 
   start_paths();
   const int lowest = std::min(strip.bottom + strip.lead_in, left.height()) - 1;
   for (int v = lowest; v >= strip.top; --v) {
     const RowPointers row = row_of(v, std::min(v + 1, lowest));
     if (v >= strip.bottom)
-      VerticalRow<kVectors, Sums::kNone>(d, row, width, n, p1, memory);
+      vertical_path(kNone, row);
     else
-      VerticalRow<kVectors, Sums::kSet>(d, row, width, n, p1, memory);
+      vertical_path(kSet, row);
     std::swap(memory.paths[0], memory.paths[1]);
     // While costs and sums are still in the cache.
     if (v < strip.bottom && (v - strip.top) % kRowsTogether == 0) horizontal_paths(v);
@@ -243,9 +448,9 @@ void AggregateWith(D d, const MatchingProblem& problem, const Strip& strip,
   for (int v = highest; v < strip.bottom; ++v) {
     const RowPointers row = row_of(v, std::max(v - 1, highest));
     if (v < strip.top)
-      VerticalRow<kVectors, Sums::kNone>(d, row, width, n, p1, memory);
+      vertical_path(kNone, row);
     else
-      VerticalRow<kVectors, Sums::kAdd>(d, row, width, n, p1, memory);
+      vertical_path(kAdd, row);
     if (v >= strip.top) use_row(v, memory.row_sums);
     std::swap(memory.paths[0], memory.paths[1]);
   }
@@ -265,6 +470,8 @@ void AggregateStrip(const MatchingProblem& problem, const Strip& strip, const Pa
     const ByteTag<32> d;
     if (n == static_cast<int>(hn::MaxLanes(d))) return AggregateWith<1>(d, problem, strip, use_row, memory);
     AggregateWith<0>(d, problem, strip, use_row, memory);
+  } else if (n == 16) {
+    AggregateWith<kOfBlocks>(ByteTag<64>(), problem, strip, use_row, memory);
   } else {
     AggregateWith<0>(ByteTag<16>(), problem, strip, use_row, memory);
   }
@@ -351,12 +558,16 @@ void PathAggregator::Aggregate(const MatchingProblem& problem, const Strip& stri
   const std::size_t num_rows = static_cast<std::size_t>(strip.bottom - strip.top);
   const std::size_t path_row = padded_width * (strip.num_disparities + kPathPadding);
   StripMemory memory;
-  memory.costs = costs_.Reserve(kRowsTogether * row_bytes);
+  // Those of 16 disparities stay in the cache as they are, others are computed twice.
+  memory.costs = costs_.Reserve((strip.num_disparities == 16 ? num_rows : kRowsTogether) * row_bytes);
   memory.sums = sums_.Reserve((num_rows + 1) * row_bytes);
   memory.paths[0] = paths_.Reserve(2 * (kPathPadding + path_row)) + kPathPadding;
   memory.paths[1] = memory.paths[0] + path_row + kPathPadding;
   memory.minima = path_minima_.Reserve(padded_width);
   memory.row_sums = row_sums_.Reserve(row_bytes);
+  const std::size_t step_bytes = kRowsTogether * (padded_width + 1);
+  memory.shifts = steps_.Reserve(2 * (step_bytes + kRowsTogether));
+  memory.p2 = memory.shifts + step_bytes + kRowsTogether;
   memory.row_bytes = row_bytes;
   memory.padded_width = static_cast<int>(padded_width);
   HWY_DYNAMIC_DISPATCH(AggregateStrip)(problem, strip, use_row, memory);

@@ -88,7 +88,7 @@ class PathAggregator {
   void Aggregate(const MatchingProblem& problem, const Strip& strip, const UseRow& use_row);
 
  private:
-  AlignedArray<std::uint8_t> costs_, sums_, row_sums_, paths_, path_minima_;
+  AlignedArray<std::uint8_t> costs_, sums_, row_sums_, paths_, path_minima_, steps_;
 };
 
 }  // namespace terrace
