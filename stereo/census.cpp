@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/check.h"
+#include "core/parallel_for.h"
 
 // Highway compiles the part between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction
 // set.
@@ -84,7 +85,7 @@ void CensusImage::Compute(const cv::Mat1b& image, const std::vector<CensusPair>&
   bytes_.Reserve(stride_ * kNumPlanes * height_);
   // Vectors may run past the last pixel of a row: by less than 64 bytes.
   cv::copyMakeBorder(image, padded_, kBorder, kBorder, kBorder, kBorder + 64, cv::BORDER_REPLICATE);
-  for (int v = 0; v < height_; ++v)
+  ParallelFor(height_, [&](int v) {
     for (int plane = 0; plane < kNumPlanes; ++plane) {
       std::uint8_t* row = bytes_.data() + (static_cast<std::size_t>(v) * kNumPlanes + plane) * stride_;
       std::memset(row, 0, kLeftMargin);
@@ -93,6 +94,7 @@ void CensusImage::Compute(const cv::Mat1b& image, const std::vector<CensusPair>&
       (&padded_(v + kBorder, kBorder), static_cast<std::ptrdiff_t>(padded_.step), width_,
        pairs.data() + 8 * plane, std::clamp(num_pairs - 8 * plane, 0, 8), row + kLeftMargin);
     }
+  });
 }
 
 }  // namespace terrace

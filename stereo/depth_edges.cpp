@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -24,13 +24,12 @@
 namespace terrace {
 
 constexpr int kImageBorder = 8;  // pixels repeated left of the images
-constexpr int kRowMargin = 16;   // unknown disparities before each row
-constexpr int kBehind = 64;      // and behind it, as pixels behind those of the images: vectors touch them
+constexpr int kBehind = 64;      // and right of them, which vectors touch
 constexpr int kHalfWindow = 4;   // of the windows' common width
 constexpr int kWindowPixels = 15;
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-constexpr float kClearlyBetter = 0.8f;  // of its own difference, to leave one's disparity for another
-constexpr float kSamePlace = 0.5f;      // pixels between claims on the right image
+constexpr int kUnitsPerPx = UnitImage::kUnitsPerPx;
+constexpr float kClearlyBetter = 0.8f;       // of its own difference, to leave one's disparity for another
+constexpr int kSamePlace = kUnitsPerPx / 2;  // between claims on the right image
 /// Grey levels that a nearer surface must agree better by than a further one, to win a place: foregrounds
 /// grow fat more often than they shrink.
 constexpr int kNearerHandicap = 10;
@@ -48,18 +47,23 @@ struct EdgeImages {
 
 /// A row of disparities and those at some reach above and below it, as they were given.
 struct GivenRows {
-  const float *row, *above, *below;
+  const std::int16_t *row, *above, *below;
 };
 
 /// What the pixels of one row may take instead of their own disparity.
 struct EdgeCandidates {
   struct Candidate {
     int u;
-    float disparity;
+    std::int16_t disparity;
   };
   std::vector<Candidate> candidates;
   std::vector<int> pixels;  // that have any
   std::vector<int> least;   // window difference of each pixel's best one
+};
+
+/// DepthEdgeSettings in units, and in sums over windows.
+struct EdgeLimits {
+  int reach, min_jump, max_fill;
 };
 
 }  // namespace terrace
@@ -82,10 +86,11 @@ class WindowDifference {
     for (int row = 0; row < 3; ++row)
       left_[row] = Windows(hn::LoadU(Bytes16(), images.Left(u - kHalfWindow, v + row - 1)));
   }
-  /// @param disparity  that leads to a place in the right image
-  HWY_INLINE int At(float disparity) const {
+  /// @param disparity  in units; leads to a place in the right image
+  HWY_INLINE int At(int disparity) const {
     const Bytes16 d;
-    const int quarters = static_cast<int>(4.0f * (static_cast<float>(u_) - disparity) + 0.5f);
+    constexpr int kUnitsPerQuarter = kUnitsPerPx / 4;
+    const int quarters = (u_ * kUnitsPerPx - disparity + kUnitsPerQuarter / 2) / kUnitsPerQuarter;
     const std::uint8_t* right = images_.Right(quarters / 4 - kHalfWindow, v_ - 1);
     const std::size_t stride = images_.right.step;
     // Without branches, as fractions change from pixel to pixel.
@@ -131,48 +136,54 @@ HWY_INLINE void ForEachLane(D d, Mask mask, const Use& use) {
 
 /// Finds the disparities that pixels of a row may take from those at `reach`: far from their own, or any
 /// where they have none, and leading into the right image.
-void FindCandidates(const GivenRows& given, int width, int reach, float min_jump, EdgeCandidates& found) {
-  const hn::ScalableTag<float> df;
-  const hn::RebindToSigned<decltype(df)> di;
-  const int lanes = static_cast<int>(hn::Lanes(df));
-  const auto v_jump = hn::Set(df, min_jump);
-  const auto last = hn::Set(df, static_cast<float>(width - 1));
+void FindCandidates(const GivenRows& given, int width, int reach, int min_jump, EdgeCandidates& found) {
+  const hn::ScalableTag<std::int16_t> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto zero = hn::Zero(d), jump = hn::Set(d, static_cast<std::int16_t>(min_jump));
+  const auto furthest_column = hn::Set(d, UnitImage::kMaxUnits / kUnitsPerPx);
   found.pixels.clear();
   found.candidates.clear();
   for (int u = 0; u < width; u += lanes) {
-    const auto own = hn::LoadU(df, given.row + u);
-    const auto column = hn::ConvertTo(df, hn::Iota(di, u));
-    // Comparisons with NaN are false.
-    const auto may_take = [&](const float* other) HWY_ATTR {
-      const auto d = hn::LoadU(df, other + u);
-      const auto x = hn::Sub(column, d);
-      const auto same = hn::Le(hn::Abs(hn::Sub(d, own)), v_jump);
-      return hn::AndNot(same, hn::And(hn::Ge(x, hn::Zero(df)), hn::Le(x, last)));
+    const auto own = hn::LoadU(d, given.row + u);
+    const auto own_known = hn::Gt(own, zero);
+    // Further right, every disparity leads into the right image.
+    const auto column = hn::Min(hn::Iota(d, static_cast<std::int16_t>(u)), furthest_column);
+    const auto limit = hn::Mul(column, hn::Set(d, kUnitsPerPx));
+    const auto may_take = [&](const std::int16_t* other) HWY_ATTR {
+      const auto disparity = hn::LoadU(d, other + u);
+      const auto far = hn::Gt(hn::Abs(hn::Sub(disparity, own)), jump);
+      const auto possible = hn::AndNot(hn::Gt(disparity, limit), hn::Gt(disparity, zero));
+      return hn::And(possible, hn::Or(far, hn::Not(own_known)));
     };
-    const float* const left = given.row - reach;
-    const float* const right = given.row + reach;
+    const std::int16_t* const left = given.row - reach;
+    const std::int16_t* const right = given.row + reach;
     const auto from_left = may_take(left), from_right = may_take(right);
     const auto from_above = may_take(given.above), from_below = may_take(given.below);
-    const auto any = hn::Or(hn::Or(from_left, from_right), hn::Or(from_above, from_below));
-    if (hn::AllFalse(df, any)) continue;
-    ForEachLane(df, any, [&](int i) { found.pixels.push_back(u + i); });
-    ForEachLane(df, from_left, [&](int i) { found.candidates.push_back({u + i, left[u + i]}); });
-    ForEachLane(df, from_right, [&](int i) { found.candidates.push_back({u + i, right[u + i]}); });
-    ForEachLane(df, from_above, [&](int i) { found.candidates.push_back({u + i, given.above[u + i]}); });
-    ForEachLane(df, from_below, [&](int i) { found.candidates.push_back({u + i, given.below[u + i]}); });
+    const auto inside = hn::FirstN(d, static_cast<std::size_t>(width - u));
+    const auto any = hn::And(inside, hn::Or(hn::Or(from_left, from_right), hn::Or(from_above, from_below)));
+    if (hn::AllFalse(d, any)) continue;
+    const auto add = [&](auto mask, const std::int16_t* other) HWY_ATTR {
+      ForEachLane(d, hn::And(mask, inside), [&](int i) {
+        found.candidates.push_back({u + i, other[u + i]});
+      });
+    };
+    ForEachLane(d, any, [&](int i) { found.pixels.push_back(u + i); });
+    add(from_left, left);
+    add(from_right, right);
+    add(from_above, given.above);
+    add(from_below, given.below);
   }
 }
 
 /// Each pixel at an edge gets the best among its own and its neighbours' disparities.
-void SharpenRow(const EdgeImages& images, const GivenRows& given, int v, const DepthEdgeSettings& settings,
-                EdgeCandidates& found, float* disparity) {
-  FindCandidates(given, images.width, settings.reach_px, settings.min_jump_px, found);
-  found.least.resize(images.width + kBehind);
-  const int max_fill = static_cast<int>(settings.max_fill_difference * kWindowPixels);
+void SharpenRow(const EdgeImages& images, const GivenRows& given, int v, const EdgeLimits& limits,
+                EdgeCandidates& found, std::int16_t* disparity) {
+  FindCandidates(given, images.width, limits.reach, limits.min_jump, found);
+  found.least.resize(images.width);
   for (const int u : found.pixels) {
-    const float own = given.row[u];
-    const int sum = WindowDifference(images, u, v).At(std::isnan(own) ? 0.0f : own);
-    found.least[u] = std::isnan(own) ? max_fill : static_cast<int>(kClearlyBetter * static_cast<float>(sum));
+    const int own = given.row[u];
+    const int sum = own == 0 ? 0 : WindowDifference(images, u, v).At(own);
+    found.least[u] = own == 0 ? limits.max_fill : static_cast<int>(kClearlyBetter * static_cast<float>(sum));
   }
   for (const EdgeCandidates::Candidate& c : found.candidates) {
     const int sum = WindowDifference(images, c.u, v).At(c.disparity);
@@ -184,84 +195,84 @@ void SharpenRow(const EdgeImages& images, const GivenRows& given, int v, const D
 
 /// Of two pixels that claim the same place of the right image, one is wrong or hidden. They stand left and
 /// right of a step towards the camera.
-void SettleRow(const EdgeImages& images, int v, float min_jump, std::vector<int>& begins, float* disparity) {
-  const hn::ScalableTag<float> df;
-  const int lanes = static_cast<int>(hn::Lanes(df));
-  const auto v_jump = hn::Set(df, min_jump);
-  const int width = images.width;
-  const auto place = [&](int u) { return static_cast<float>(u) - disparity[u]; };
+void SettleRow(const EdgeImages& images, int v, const EdgeLimits& limits, std::vector<int>& begins,
+               std::int16_t* disparity) {
+  const hn::ScalableTag<std::int16_t> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int width = images.width, min_jump = limits.min_jump;
+  const auto place = [&](int u) { return u * kUnitsPerPx - disparity[u]; };
   const auto settle = [&](int begin) HWY_ATTR {  // the nearer surface's first pixel
-    const int first = std::max(0, static_cast<int>(place(begin) - kSamePlace));
+    const int first = std::max(0, (place(begin) - kSamePlace) / kUnitsPerPx);
     int last = begin - 1;
-    while (last >= first && std::isnan(disparity[last])) --last;
+    while (last >= first && disparity[last] == 0) --last;
     if (last < first || disparity[begin] - disparity[last] <= min_jump) return;
-    const float place_of_last = place(last);
-    // What cannot claim a place from the nearer surface's first one on, is passed over; unknown pixels too:
-    // comparisons with NaN are false.
+    const int place_of_last = place(last);
+    // What cannot claim a place from the nearer surface's first one on, is passed over.
     int further = first;
     for (int near = begin; near < width; ++near) {
-      if (std::isnan(disparity[near])) continue;
+      if (disparity[near] == 0) continue;
       if (place(near) > place_of_last + kSamePlace) break;
-      while (further < last && !(place(further) >= place(near) - kSamePlace)) ++further;
+      while (further < last && (disparity[further] == 0 || place(further) < place(near) - kSamePlace))
+        ++further;
+      if (disparity[further] == 0) break;
       if (place(further) > place(near) + kSamePlace) continue;
-      if (!(disparity[near] - disparity[further] > min_jump)) break;
+      if (disparity[near] - disparity[further] <= min_jump) break;
       const int difference = WindowDifference(images, further, v).At(disparity[further]) - kNearerHandicap -
                              WindowDifference(images, near, v).At(disparity[near]);
-      disparity[difference < 0 ? near : further] = kUnknown;
+      disparity[difference < 0 ? near : further] = 0;
     }
   };
   // All of them before any is settled: what is found must not depend on the length of vectors.
   begins.clear();
+  const auto jump = hn::Set(d, static_cast<std::int16_t>(min_jump));
   for (int block = 0; block < width; block += lanes) {
-    const auto d = hn::LoadU(df, disparity + block);
-    const auto step = hn::Sub(d, hn::LoadU(df, disparity + block - 1));
+    const auto own = hn::LoadU(d, disparity + block), before = hn::LoadU(d, disparity + block - 1);
     // Known, and the one before is unknown or further.
-    const auto begin = hn::AndNot(hn::Le(step, v_jump), hn::Eq(d, d));
-    if (!hn::AllFalse(df, begin)) ForEachLane(df, begin, [&](int i) { begins.push_back(block + i); });
+    const auto step = hn::Or(hn::Gt(hn::Sub(own, before), jump), hn::Eq(before, hn::Zero(d)));
+    const auto begin = hn::And(hn::Gt(own, hn::Zero(d)), step);
+    if (!hn::AllFalse(d, begin)) ForEachLane(d, begin, [&](int i) { begins.push_back(block + i); });
   }
   for (const int begin : begins)
-    if (!std::isnan(disparity[begin])) settle(begin);
+    if (disparity[begin] != 0) settle(begin);
 }
 
 /// Unknown pixels near known ones take one of their disparities where the images agree and the place it leads
 /// to in the right image lies between those of the known pixels to the left and to the right: nobody's.
-void FillRow(const EdgeImages& images, const GivenRows& given, int v, const DepthEdgeSettings& settings,
-             float* disparity) {
-  const hn::ScalableTag<float> df;
-  const int lanes = static_cast<int>(hn::Lanes(df));
-  const int width = images.width, reach = settings.reach_px;
-  const int max_fill = static_cast<int>(settings.max_fill_difference * kWindowPixels);
+void FillRow(const EdgeImages& images, const GivenRows& given, int v, const EdgeLimits& limits,
+             std::int16_t* disparity) {
+  const hn::ScalableTag<std::int16_t> d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int width = images.width, reach = limits.reach;
   const auto fill = [&](int begin) HWY_ATTR {  // until the next known pixel; returns it
     int end = begin + 1;
-    while (end < width && std::isnan(disparity[end])) ++end;
-    for (int i = 0; i < kMaxUnbelieved && end < width && !std::isnan(disparity[end]); ++i) {
+    while (end < width && disparity[end] == 0) ++end;
+    for (int i = 0; i < kMaxUnbelieved && end < width && disparity[end] != 0; ++i) {
       if (WindowDifference(images, end, v).At(disparity[end]) <= kMaxDifferenceAtGap * kWindowPixels) break;
-      disparity[end++] = kUnknown;
+      disparity[end++] = 0;
     }
-    const float d_left = disparity[begin - 1], d_right = disparity[end];
-    const float place_left = begin > 0 ? static_cast<float>(begin - 1) - d_left : -1.0f;
-    const float place_right =
-        end < width && !std::isnan(d_right) ? static_cast<float>(end) - d_right : static_cast<float>(width);
+    const std::int16_t d_left = disparity[begin - 1], d_right = disparity[end];
+    const int place_left = (begin - 1) * kUnitsPerPx - d_left;
+    const int place_right = (end < width && d_right != 0 ? end : width) * kUnitsPerPx - d_right;
     for (int u = begin; u < end; ++u) {
-      const float candidates[] = {u - begin < reach ? d_left : kUnknown,
-                                  end - u <= reach ? d_right : kUnknown, given.above[u], given.below[u]};
-      int least = max_fill;
-      for (const float d : candidates) {
-        const float place = static_cast<float>(u) - d;
-        if (!(place > place_left + kSamePlace && place < place_right - kSamePlace)) continue;
-        const int sum = WindowDifference(images, u, v).At(d);
-        if (sum < least) least = sum, disparity[u] = d;
+      const std::int16_t candidates[] = {u - begin < reach ? d_left : std::int16_t{0},
+                                         end - u <= reach ? d_right : std::int16_t{0}, given.above[u],
+                                         given.below[u]};
+      int least = limits.max_fill;
+      for (const std::int16_t candidate : candidates) {
+        const int place = u * kUnitsPerPx - candidate;
+        if (candidate == 0 || place <= place_left + kSamePlace || place >= place_right - kSamePlace) continue;
+        const int sum = WindowDifference(images, u, v).At(candidate);
+        if (sum < least) least = sum, disparity[u] = candidate;
       }
     }
     return end;
   };
   for (int u = 0; u < width;) {
-    const auto d = hn::LoadU(df, disparity + u);
-    if (hn::AllTrue(df, hn::Eq(d, d))) {  // all known
+    if (hn::AllFalse(d, hn::Eq(hn::LoadU(d, disparity + u), hn::Zero(d)))) {  // all known
       u += lanes;
       continue;
     }
-    while (u < width && !std::isnan(disparity[u])) ++u;
+    while (u < width && disparity[u] != 0) ++u;
     if (u < width) u = fill(u);
   }
 }
@@ -279,14 +290,14 @@ HWY_EXPORT(FillRow);
 namespace {
 
 /// The right image with the left one's brightness: mean and spread of the pixels that correspond.
-void MatchBrightness(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1f& disparity,
+void MatchBrightness(const cv::Mat1b& left, const cv::Mat1b& right, const UnitImage& disparity,
                      cv::Mat1b& matched) {
   double n = 0, l1 = 0, r1 = 0, l2 = 0, r2 = 0;
   for (int v = 4; v < left.rows; v += 8)
     for (int u = 0; u < left.cols; u += 2) {
-      const float x = static_cast<float>(u) - disparity(v, u);
-      if (!(x >= 0.0f)) continue;
-      const int l = left(v, u), r = right(v, std::min(static_cast<int>(x + 0.5f), right.cols - 1));
+      const int units = disparity.Row(v)[u], place = u * kUnitsPerPx - units;
+      if (units == 0 || place < 0) continue;
+      const int l = left(v, u), r = right(v, (place + kUnitsPerPx / 2) / kUnitsPerPx);
       n += 1, l1 += l, r1 += r, l2 += l * l, r2 += r * r;
     }
   const double var_l = n * l2 - l1 * l1, var_r = n * r2 - r1 * r1;
@@ -305,11 +316,10 @@ class DepthEdgeSharpener::Scratch {
   struct OfOneThread {
     EdgeCandidates found;
     std::vector<int> begins;
-    std::vector<float> row;
   };
   EdgeImages images;
   cv::Mat1b matched;
-  cv::Mat1f given;
+  UnitImage sharpened;
   tbb::enumerable_thread_specific<OfOneThread> threads;
 };
 
@@ -317,27 +327,30 @@ DepthEdgeSharpener::DepthEdgeSharpener(const DepthEdgeSettings& settings)
     : settings_(settings), scratch_(std::make_unique<Scratch>()) {}
 DepthEdgeSharpener::~DepthEdgeSharpener() = default;
 
-void DepthEdgeSharpener::Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity) {
-  const int width = left.cols, height = left.rows, reach = settings_.reach_px;
+void DepthEdgeSharpener::Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& disparity) {
+  const int width = left.cols, height = left.rows;
+  const EdgeLimits limits = {settings_.reach_px,
+                             static_cast<int>(std::lround(settings_.min_jump_px * kUnitsPerPx)),
+                             static_cast<int>(settings_.max_fill_difference * kWindowPixels)};
   EdgeImages& images = scratch_->images;
   images.width = width;
   MatchBrightness(left, right, disparity, scratch_->matched);
   cv::copyMakeBorder(left, images.left, 1, 1, kImageBorder, kBehind, cv::BORDER_REPLICATE);
   cv::copyMakeBorder(scratch_->matched, images.right, 1, 1, kImageBorder, kBehind, cv::BORDER_REPLICATE);
-  cv::Mat1f& given = scratch_->given;
+  UnitImage& sharpened = scratch_->sharpened;
+  sharpened.Create(left.size());
   for (int round = 0; round < settings_.rounds; ++round) {
-    cv::copyMakeBorder(disparity, given, 0, 0, kRowMargin, kBehind, cv::BORDER_CONSTANT, kUnknown);
     ParallelFor(height, [&](int v) {
       Scratch::OfOneThread& mine = scratch_->threads.local();
-      mine.row.assign(given[v], given[v] + given.cols);
-      float* row = mine.row.data() + kRowMargin;
-      const GivenRows rows = {given[v] + kRowMargin, given[std::max(v - reach, 0)] + kRowMargin,
-                              given[std::min(v + reach, height - 1)] + kRowMargin};
-      HWY_DYNAMIC_DISPATCH(SharpenRow)(images, rows, v, settings_, mine.found, row);
-      HWY_DYNAMIC_DISPATCH(SettleRow)(images, v, settings_.min_jump_px, mine.begins, row);
-      HWY_DYNAMIC_DISPATCH(FillRow)(images, rows, v, settings_, row);
-      std::copy_n(row, width, disparity[v]);
+      const GivenRows rows = {disparity.Row(v), disparity.Row(std::max(v - limits.reach, 0)),
+                              disparity.Row(std::min(v + limits.reach, height - 1))};
+      std::int16_t* row = sharpened.Row(v);
+      std::copy_n(rows.row, width, row);
+      HWY_DYNAMIC_DISPATCH(SharpenRow)(images, rows, v, limits, mine.found, row);
+      HWY_DYNAMIC_DISPATCH(SettleRow)(images, v, limits, mine.begins, row);
+      HWY_DYNAMIC_DISPATCH(FillRow)(images, rows, v, limits, row);
     });
+    std::swap(disparity, sharpened);
   }
 }
 

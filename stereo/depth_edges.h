@@ -5,6 +5,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "stereo/disparity_units.h"
+
 namespace terrace {
 
 /// Settings of the work at depth edges.
@@ -27,7 +29,7 @@ class DepthEdgeSharpener {
   /// image, the one that agrees worse becomes unknown, so that what the nearer one hides gets nothing. Last,
   /// unknown pixels take a neighbour's disparity where the images agree and nobody claims the place it leads
   /// to.
-  void Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity);
+  void Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& disparity);
 
  private:
   class Scratch;

@@ -10,6 +10,7 @@
 #include "core/check.h"
 #include "stereo/depth_edges.h"
 #include "stereo/disparity_filters.h"
+#include "stereo/disparity_units.h"
 #include "stereo/half_resolution.h"
 #include "stereo/refinement.h"
 #include "stereo/semi_global.h"
@@ -156,8 +157,9 @@ class DisparityMatcher::Impl {
     } else {
       MatchHalved(frame, prior, result.disparity_px);
     }
-    edges_.Sharpen(frame.left, frame.right, result.disparity_px);
-    refiner_.Refine(frame.left, frame.right, result.disparity_px, &result.sigma_px);
+    units_.Set(result.disparity_px);
+    edges_.Sharpen(frame.left, frame.right, units_);
+    refiner_.Refine(frame.left, frame.right, units_, result.disparity_px, &result.sigma_px);
     return result;
   }
 
@@ -235,6 +237,7 @@ class DisparityMatcher::Impl {
   Refiner half_refiner_{{.iterations = 2}};
   cv::Mat1b half_left_, half_right_;
   cv::Mat1f half_disparity_, rough_disparity_;
+  UnitImage units_;
   ImagePool results_;
 };
 

@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "core/parallel_for.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "stereo/half_resolution.cpp"
 #include <hwy/foreach_target.h>
@@ -61,20 +63,22 @@ void DoubleDisparity(const cv::Mat1f& half, cv::Mat1f& full) {
   // Rows with their first and last pixel repeated, and the doubled row, each with room for a vector behind
   // it.
   constexpr int kBehind = 64;
-  std::vector<float> near_row(half.cols + 2 + kBehind), far_row(half.cols + 2 + kBehind);
-  std::vector<float> doubled(2 * (half.cols + kBehind));
   const auto repeat_ends = [&](const float* from, std::vector<float>& to) {
     std::copy_n(from, half.cols, to.begin() + 1);
     to.front() = to[1];
     to[half.cols + 1] = to[half.cols];
   };
-  for (int v = 0; v < full.rows; ++v) {
-    // Row v lies a quarter of a halved pixel from row v / 2 towards its neighbour above or below.
-    repeat_ends(half[v / 2], near_row);
-    repeat_ends(half[std::clamp(v % 2 == 0 ? v / 2 - 1 : v / 2 + 1, 0, half.rows - 1)], far_row);
-    HWY_DYNAMIC_DISPATCH(DoubleRow)(near_row.data() + 1, far_row.data() + 1, half.cols, doubled.data());
-    std::copy_n(doubled.begin(), full.cols, full[v]);
-  }
+  ParallelForPieces(static_cast<std::size_t>(full.rows), [&](std::size_t begin, std::size_t end) {
+    std::vector<float> near_row(half.cols + 2 + kBehind), far_row(half.cols + 2 + kBehind);
+    std::vector<float> doubled(2 * (half.cols + kBehind));
+    for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
+      // Row v lies a quarter of a halved pixel from row v / 2 towards its neighbour above or below.
+      repeat_ends(half[v / 2], near_row);
+      repeat_ends(half[std::clamp(v % 2 == 0 ? v / 2 - 1 : v / 2 + 1, 0, half.rows - 1)], far_row);
+      HWY_DYNAMIC_DISPATCH(DoubleRow)(near_row.data() + 1, far_row.data() + 1, half.cols, doubled.data());
+      std::copy_n(doubled.begin(), full.cols, full[v]);
+    }
+  });
 }
 
 }  // namespace terrace

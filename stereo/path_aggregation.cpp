@@ -197,15 +197,6 @@ class Blocks {
   static constexpr int kNum = static_cast<int>(hn::MaxLanes(D())) / 16;
   using V = hn::Vec<D>;
 
-  /// All bytes of block i are the i-th of `bytes`.
-  static HWY_INLINE V Replicate(std::uint32_t bytes) {
-    const D d;
-    const hn::Repartition<std::uint32_t, D> d32;
-    HWY_ALIGN static constexpr std::uint8_t kIndices[64] = {
-        0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
-        2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3};
-    return hn::TableLookupBytes(hn::BitCast(d, hn::Set(d32, bytes)), hn::Load(d, kIndices));
-  }
   /// The next bytes from `bytes` on, one for each block; the others are 0.
   static HWY_INLINE std::uint32_t Next(const std::uint8_t* bytes) {
     std::uint32_t word;
@@ -221,17 +212,6 @@ class Blocks {
   static HWY_INLINE void Store(V v, const Of& of) {
     StoreTo<0>(D(), v, of);
   }
-  /// The least byte of each block, in all of its bytes.
-  static HWY_INLINE V MinimumOfBlocks(V v) {
-    const D d;
-    HWY_ALIGN static constexpr std::uint8_t kBy[4][16] = {
-        {8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7},
-        {4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3},
-        {2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1},
-        {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0}};
-    for (const auto& by : kBy) v = hn::Min(v, hn::TableLookupBytes(v, hn::LoadDup128(d, by)));
-    return v;
-  }
   /// The inverse of min(L(q, d), L(q, d -+ 1) + P1, P2).
   /// @param before  the state of q
   /// @param shifts  by which the index moves from p's range to that of q
@@ -239,7 +219,7 @@ class Blocks {
     const D d;
     V same = before, up = hn::ShiftLeftBytes<1>(before), down = hn::ShiftRightBytes<1>(d, before);
     if (shifts != 0) {
-      const V shift = Replicate(shifts);
+      const V shift = Replicate(d, shifts);
       const V iota = hn::LoadDup128(d, kIota);
       const V index = negative ? hn::Sub(iota, shift) : hn::Add(iota, shift);
       const auto look_up = [&](V at) HWY_ATTR {
@@ -287,7 +267,7 @@ HWY_INLINE hn::Vec<D> CostsOfBlocks(D d, const RowPointers& row, int u) {
   hn::Vec<D> words[CensusImage::kNumPlanes];
   auto cost = hn::Zero(d);
   for (int p = 0; p < CensusImage::kNumPlanes; ++p) {
-    words[p] = B::Replicate(B::Next(row.left[p] + u));
+    words[p] = Replicate(d, B::Next(row.left[p] + u));
     const auto right = B::Load([&](int i) { return row.right[p] + right_u(i); });
     cost = hn::Add(cost, hn::PopulationCount(hn::Xor(words[p], right)));
   }
@@ -297,7 +277,7 @@ HWY_INLINE hn::Vec<D> CostsOfBlocks(D d, const RowPointers& row, int u) {
     std::uint32_t num_outside = 0;
     for (int i = 0; i < B::kNum; ++i)
       num_outside |= static_cast<std::uint32_t>(std::clamp(-right_u(i), 0, 16)) << (8 * i);
-    const auto outside = hn::Lt(hn::LoadDup128(d, B::kIota), B::Replicate(num_outside));
+    const auto outside = hn::Lt(hn::LoadDup128(d, B::kIota), Replicate(d, num_outside));
     const auto shown = hn::Add(hn::Add(hn::PopulationCount(words[0]), hn::PopulationCount(words[1])),
                                hn::Add(hn::PopulationCount(words[2]), hn::PopulationCount(words[3])));
     cost = hn::IfThenElse(outside, hn::Min(shown, hn::Set(d, kMaxCostOutside)), cost);
@@ -326,9 +306,9 @@ void VerticalRowOfBlocks(D d, const RowPointers& row, int width, std::uint8_t p1
       if constexpr (kSums == Sums::kSet) hn::Store(cost, d, row.costs + at);
     }
     const auto best = B::Best(hn::Load(d, memory.paths[0] + at), B::Next(memory.shifts + u), false, v_p1,
-                              B::Replicate(B::Next(row.p2 + u)));
+                              Replicate(d, B::Next(row.p2 + u)));
     const auto value = hn::Add(cost, hn::Not(best));
-    hn::Store(hn::Not(hn::Sub(value, B::MinimumOfBlocks(value))), d, memory.paths[1] + at);
+    hn::Store(hn::Not(hn::Sub(value, MinimumOfBlocks(d, value))), d, memory.paths[1] + at);
     if constexpr (kSums == Sums::kSet) hn::Store(value, d, row.sums + at);
     if constexpr (kSums == Sums::kAdd)
       hn::Store(hn::SaturatedAdd(value, hn::Load(d, row.sums + at)), d, memory.row_sums + at);
@@ -362,9 +342,9 @@ void HorizontalRowsOfBlocks(D d, const RowPointers* rows, int width, std::uint8_
         const int beside = (u + side) * kRowsTogether + g * B::kNum;
         const auto sums_of = [&](int r) { return group[r].sums + at; };
         const auto best = B::Best(hn::Load(d, states[side][g]), B::Next(shifts + beside), side == 1, v_p1,
-                                  B::Replicate(B::Next(p2 + beside)));
+                                  Replicate(d, B::Next(p2 + beside)));
         const auto value = hn::Add(B::Load([&](int r) { return group[r].costs + at; }), hn::Not(best));
-        hn::Store(hn::Not(hn::Sub(value, B::MinimumOfBlocks(value))), d, states[side][g]);
+        hn::Store(hn::Not(hn::Sub(value, MinimumOfBlocks(d, value))), d, states[side][g]);
         B::Store(hn::SaturatedAdd(value, B::Load(sums_of)), sums_of);
       }
 }

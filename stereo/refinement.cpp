@@ -29,12 +29,9 @@ namespace terrace {
 constexpr int kReach = 2;  // of the 5x5 window
 constexpr int kWindowPixels = 25;
 constexpr int kImageBorder = 96;  // pixels repeated left and right of the images, which vectors may touch
-constexpr int kRowMargin = 64;    // elements before and behind each row, which vectors may touch
+constexpr int kRowMargin = UnitImage::kMargin;
 
-/// Disparities are whole numbers of 1/128 px, 0 where unknown: twice as many fit into a vector as floats, and
-/// sums of whole numbers can be moved from row to row without ever losing anything.
-constexpr int kUnitsPerPx = 128;
-constexpr int kMaxUnits = 255 * kUnitsPerPx;
+constexpr int kUnitsPerPx = UnitImage::kUnitsPerPx;
 /// Grey levels and gradients are in eighths, cut so that the sum over a window fits into 16 bits.
 constexpr int kGreyUnits = 8;
 constexpr int kMaxGrey = 1300;
@@ -42,7 +39,7 @@ constexpr int kMaxGrey = 1300;
 /// Of rounding two images to whole grey levels.
 constexpr float kRoundingVariance = 0.17f * kGreyUnits * kGreyUnits;
 /// Measured: error / sigma has its 68 % quantile at one.
-constexpr float kSigmaScale = 1.45f;
+constexpr float kSigmaScale = 1.3f;
 /// Standard deviation [px] of disparities that no texture supports, before the scale: measured too.
 constexpr float kUnsupportedSigma = 0.4f;
 
@@ -68,8 +65,9 @@ struct ColumnSums {
 };
 
 struct RefineLimits {
-  std::int16_t max_jump;  ///< in kUnitsPerPx
-  std::int16_t gain;      ///< of the left image against the right one, times 2^13
+  std::int16_t max_jump;     ///< in kUnitsPerPx
+  std::int16_t right_share;  ///< of the gradient, times 2^15
+  std::int16_t gain;         ///< of the left image against the right one, times 2^13
   float max_step, given_sigma;
 };
 
@@ -94,26 +92,6 @@ HWY_INLINE V SumOfFive(V a, V b, V c, V d, V e) {
 }
 
 HWY_INLINE VecF ToFloat(hn::Vec<TagHalf16> v) { return hn::ConvertTo(TagF(), hn::PromoteTo(TagI(), v)); }
-
-/// The rows are continued by zeros to a whole vector.
-void ToUnits(const float* disparity, int width, std::int16_t* units) {
-  const TagF df;
-  const TagHalf16 d16;
-  const int lanes = static_cast<int>(hn::Lanes(df));
-  const auto scale = hn::Set(df, kUnitsPerPx), half = hn::Set(df, 0.5f);
-  const auto least = hn::Set(df, 1.0f), most = hn::Set(df, kMaxUnits);
-  int u = 0;
-  for (; u + lanes <= width; u += lanes) {
-    const auto d = hn::LoadU(df, disparity + u);
-    const auto scaled = hn::Min(hn::Max(hn::Add(hn::Mul(d, scale), half), least), most);
-    const auto known = hn::IfThenElseZero(hn::Eq(d, d), scaled);
-    hn::StoreU(hn::DemoteTo(d16, hn::ConvertTo(TagI(), known)), d16, units + u);
-  }
-  for (; u < width; ++u) {
-    const float scaled = disparity[u] * kUnitsPerPx + 0.5f;
-    units[u] = std::isnan(scaled) ? 0 : static_cast<std::int16_t>(std::clamp<float>(scaled, 1.0f, kMaxUnits));
-  }
-}
 
 void DisparitiesOfColumns(const std::int16_t* const* rows, int width, const ColumnDisparities& columns) {
   const Tag16 d;
@@ -197,7 +175,7 @@ void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const s
   constexpr int kUnitBits = 7;
   static_assert(1 << kUnitBits == kUnitsPerPx);
   const auto zero = hn::Zero(d);
-  const auto gain = hn::Set(d, limits.gain);
+  const auto gain = hn::Set(d, limits.gain), right_share = hn::Set(d, limits.right_share);
   const auto most = hn::Set(d, kMaxGrey), least = hn::Set(d, -kMaxGrey);
   const auto pixels = [&](const std::uint8_t* p) HWY_ATTR { return hn::PromoteTo(d, hn::LoadU(d8, p)); };
   for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(d))) {
@@ -250,7 +228,9 @@ void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const s
     // In kGreyUnits from here on.
     const auto with_gain = [&](Vec16 v) HWY_ATTR { return hn::MulFixedPoint15(hn::Add(v, v), gain); };
     const auto left_slope = hn::ShiftLeft<2>(hn::Sub(pixels(left + u + 1), pixels(left + u - 1)));
-    const auto gradient = hn::ShiftRight<1>(hn::Add(left_slope, with_gain(slope)));
+    const auto right_slope = with_gain(slope);
+    const auto gradient =
+        hn::Add(left_slope, hn::MulFixedPoint15(hn::Sub(right_slope, left_slope), right_share));
     const auto residual = hn::Sub(hn::ShiftLeft<3>(pixels(left + u)), with_gain(value));
     const auto cut = [&](Vec16 v)
                          HWY_ATTR { return hn::IfThenElseZero(valid, hn::Max(hn::Min(v, most), least)); };
@@ -424,7 +404,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace terrace {
-HWY_EXPORT(ToUnits);
 HWY_EXPORT(DisparitiesOfColumns);
 HWY_EXPORT(ResidualsOfRow);
 HWY_EXPORT(MoveColumnSums);
@@ -437,11 +416,10 @@ constexpr int kRing = 2 * kReach + 2;  // rows needed at once: those of a window
 
 /// How much brighter the left image is, from every eighth row's pixels with a disparity: ratio of their
 /// spreads.
-/// @param units  disparities, with margins
-float MeasureGain(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat_<std::int16_t>& units) {
+float MeasureGain(const cv::Mat1b& left, const cv::Mat1b& right, const UnitImage& units) {
   std::int64_t n = 0, l1 = 0, r1 = 0, l2 = 0, r2 = 0;
   for (int v = 4; v < left.rows; v += 8) {
-    const std::int16_t* disparity = units[v] + kRowMargin;
+    const std::int16_t* disparity = units.Row(v);
     for (int u = 0; u < left.cols; u += 2) {
       const int x = (u * kUnitsPerPx - disparity[u] + kUnitsPerPx / 2) / kUnitsPerPx;
       if (disparity[u] == 0 || x < 0) continue;
@@ -509,8 +487,8 @@ class Refiner::Scratch {
  public:
   tbb::enumerable_thread_specific<StripRows> rows;
   cv::Mat1b padded_left, padded_right;
-  cv::Mat_<std::int16_t> given, refined;  ///< disparities in units, with margins that are unknown
-  std::vector<std::int16_t> unknown;      ///< a row outside the image
+  UnitImage given, refined;
+  std::vector<std::int16_t> unknown;  ///< a row outside the image
 };
 
 Refiner::Refiner(const RefinementSettings& settings)
@@ -518,47 +496,49 @@ Refiner::Refiner(const RefinementSettings& settings)
 Refiner::~Refiner() = default;
 
 void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma) {
-  const int width = left.cols, height = left.rows;
+  scratch_->given.Set(disparity);
+  Refine(left, right, scratch_->given, disparity, sigma);
+}
+
+void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& given, cv::Mat1f& disparity,
+                     cv::Mat1f* sigma) {
+  const int height = left.rows;
   const int num_strips = (height + kRowsPerStrip - 1) / kRowsPerStrip;
   Scratch& scratch = *scratch_;
   cv::copyMakeBorder(left, scratch.padded_left, 0, 0, kImageBorder, kImageBorder, cv::BORDER_REPLICATE);
   cv::copyMakeBorder(right, scratch.padded_right, 0, 0, kImageBorder, kImageBorder, cv::BORDER_REPLICATE);
+  disparity.create(left.size());
   if (sigma) sigma->create(left.size());
-  const int stride = static_cast<int>(Padded(width)) + 2 * kRowMargin;
-  if (scratch.given.size() != cv::Size(stride, height)) {
-    scratch.given = cv::Mat_<std::int16_t>::zeros(height, stride);
-    scratch.refined = scratch.given.clone();
-    scratch.unknown.assign(stride, 0);
-  }
-  ParallelFor(height, [&](int v) {
-    HWY_DYNAMIC_DISPATCH(ToUnits)(disparity[v], width, scratch.given[v] + kRowMargin);
-  });
-  const float gain = MeasureGain(left, right, scratch.given);
+  scratch.refined.Create(left.size());
+  scratch.unknown.assign(Padded(left.cols) + 2 * kRowMargin, 0);
+  const float gain = MeasureGain(left, right, given);
   const RefineLimits limits = {static_cast<std::int16_t>(std::lround(settings_.max_jump_px * kUnitsPerPx)),
+                               static_cast<std::int16_t>(std::lround(settings_.right_share * 32768)),
                                static_cast<std::int16_t>(std::lround(gain * 8192)), settings_.max_step_px,
                                settings_.given_sigma_px};
   for (int iteration = 1; iteration <= settings_.iterations; ++iteration) {
     const bool last = iteration == settings_.iterations;
     ParallelFor(num_strips, [&](int strip) {
       const int top = strip * kRowsPerStrip;
-      RefineStrip(top, std::min(top + kRowsPerStrip, height), limits, last ? &disparity : nullptr,
+      RefineStrip(top, std::min(top + kRowsPerStrip, height), limits, given, last ? &disparity : nullptr,
                   last ? sigma : nullptr);
     });
-    std::swap(scratch.given, scratch.refined);
+    if (!last) std::swap(given, scratch.refined);
   }
 }
 
 /// Three steps, each a few rows behind the one before.
-void Refiner::RefineStrip(int top, int bottom, const RefineLimits& limits, cv::Mat1f* disparity,
-                          cv::Mat1f* sigma) {
+void Refiner::RefineStrip(int top, int bottom, const RefineLimits& limits, const UnitImage& given,
+                          cv::Mat1f* disparity, cv::Mat1f* sigma) {
   const int width = scratch_->padded_left.cols - 2 * kImageBorder, height = scratch_->padded_left.rows;
   StripRows& rows = scratch_->rows.local();
   rows.Prepare(width);
-  const auto given = [&](int v) {
-    return (v >= 0 && v < height ? scratch_->given[v] : scratch_->unknown.data()) + kRowMargin;
+  const auto given_row = [&](int v) {
+    return v >= 0 && v < height ? given.Row(v) : scratch_->unknown.data() + kRowMargin;
   };
   for (int v = top - kReach; v < bottom + kReach; ++v) {
-    const std::int16_t* around[] = {given(v - 2), given(v - 1), given(v), given(v + 1), given(v + 2)};
+    const std::int16_t* around[] = {given_row(v - 2), given_row(v - 1), given_row(v), given_row(v + 1),
+                                    given_row(v + 2)};
     HWY_DYNAMIC_DISPATCH(DisparitiesOfColumns)
     (around, width, rows.columns);
     const int v_image = std::clamp(v, 0, height - 1);
@@ -574,7 +554,7 @@ void Refiner::RefineStrip(int top, int bottom, const RefineLimits& limits, cv::M
     if (disparity)
       std::memcpy((*disparity)[v_refined], rows.disparity, sizeof(float) * width);
     else
-      HWY_DYNAMIC_DISPATCH(ToUnits)(rows.disparity, width, scratch_->refined[v_refined] + kRowMargin);
+      ToUnits(rows.disparity, width, scratch_->refined.Row(v_refined));
     if (sigma) std::memcpy((*sigma)[v_refined], rows.sigma, sizeof(float) * width);
   }
 }

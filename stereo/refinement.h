@@ -5,6 +5,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "stereo/disparity_units.h"
+
 namespace terrace {
 
 struct RefineLimits;
@@ -12,6 +14,9 @@ struct RefineLimits;
 /// Settings of the intensity-based sub-pixel step.
 struct RefinementSettings {
   int iterations = 2;
+  /// How much of the gradient is the right image's, less than 1. Between whole pixels its noise is smoothed,
+  /// and pulls disparities there the more it counts; but with half of it steps are the most exact.
+  float right_share = 0.25f;
   float max_step_px = 1.0f;      ///< a pixel that wants to go further in one iteration stays where it was
   float max_jump_px = 1.0f;      ///< neighbours whose disparity differs more belong to another surface
   float given_sigma_px = 0.15f;  ///< how far the disparity given is trusted where there is no texture
@@ -30,11 +35,15 @@ class Refiner {
   /// @param sigma      out: standard deviation [px] from texture and residual, NaN where unknown. Null: not
   /// wanted.
   void Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma);
+  /// @param given  in: disparities; out: anything
+  void Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& given, cv::Mat1f& disparity,
+              cv::Mat1f* sigma);
 
  private:
   class StripRows;
   class Scratch;
-  void RefineStrip(int top, int bottom, const RefineLimits& limits, cv::Mat1f* disparity, cv::Mat1f* sigma);
+  void RefineStrip(int top, int bottom, const RefineLimits& limits, const UnitImage& given,
+                   cv::Mat1f* disparity, cv::Mat1f* sigma);
 
   RefinementSettings settings_;
   std::unique_ptr<Scratch> scratch_;

@@ -120,9 +120,10 @@ void SemiGlobalMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right, int
 void SemiGlobalMatcher::MatchNear(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1f& rough,
                                   cv::Mat1f& disparity) {
   cv::Mat_<std::int16_t> first(rough.size());
-  for (int v = 0; v < rough.rows; ++v)
+  ParallelFor(rough.rows, [&](int v) {
     for (int u = 0; u < rough.cols; ++u)
-      first(v, u) = static_cast<std::int16_t>(std::lround(rough(v, u)) - kNearRange / 2);
+      first(v, u) = static_cast<std::int16_t>(static_cast<int>(rough(v, u) + 0.5f) - kNearRange / 2);
+  });
   near_ranges_.Set(first);
   alignas(64) std::array<std::uint8_t, kNearRange> prior_costs;
   for (int k = 0; k < kNearRange; ++k)  // the largest disparity first

@@ -58,6 +58,28 @@ HWY_INLINE hn::Vec<Tag16> MinimumOfEach(const hn::Vec<Tag16>* v) {
                  hn::BitCast(d8, hn::InterleaveUpper(d64, a, b)));
 }
 
+/// Blocks are the parts of 16 bytes of a vector. All bytes of block i are the i-th of `bytes`.
+template <class D>
+HWY_INLINE hn::Vec<D> Replicate(D d, std::uint32_t bytes) {
+  const hn::Repartition<std::uint32_t, D> d32;
+  HWY_ALIGN static constexpr std::uint8_t kIndices[64] = {
+      0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+      2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3};
+  return hn::TableLookupBytes(hn::BitCast(d, hn::Set(d32, bytes)), hn::Load(d, kIndices));
+}
+
+/// The least byte of each block, in all of its bytes.
+template <class D>
+HWY_INLINE hn::Vec<D> MinimumOfBlocks(D d, hn::Vec<D> v) {
+  HWY_ALIGN static constexpr std::uint8_t kBy[4][16] = {
+      {8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7},
+      {4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3},
+      {2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1},
+      {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0}};
+  for (const auto& by : kBy) v = hn::Min(v, hn::TableLookupBytes(v, hn::LoadDup128(d, by)));
+  return v;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace terrace
 HWY_AFTER_NAMESPACE();

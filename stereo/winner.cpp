@@ -89,11 +89,48 @@ void FindWinners(D d, const SumsRow& row, const std::uint8_t* limit_of_sum, cons
   }
 }
 
+/// FindWinners for 16 disparities: several pixels in a vector.
+template <class D>
+void FindWinnersOfBlocks(D d, const SumsRow& row, const std::uint8_t* limit_of_sum,
+                         const WinnersRow& winners) {
+  constexpr int kNumPixels = static_cast<int>(hn::MaxLanes(D())) / 16;
+  HWY_ALIGN std::uint8_t minima[16 * kNumPixels];
+  for (int u0 = 0; u0 < row.width; u0 += kNumPixels) {
+    const std::uint8_t* sums = row.sums + static_cast<std::ptrdiff_t>(u0) * 16;
+    const auto v = hn::Load(d, sums);
+    const auto minimum = MinimumOfBlocks(d, v);
+    hn::Store(minimum, d, minima);
+    std::uint32_t limits = 0;
+    for (int i = 0; i < kNumPixels; ++i) limits |= std::uint32_t{limit_of_sum[minima[16 * i]]} << (8 * i);
+    const auto bits_of = [&](auto mask) HWY_ATTR {
+      std::uint8_t bytes[8] = {};
+      hn::StoreMaskBits(d, mask, bytes);
+      std::uint64_t bits;
+      std::memcpy(&bits, bytes, 8);
+      return bits;
+    };
+    std::uint64_t best = bits_of(hn::Eq(v, minimum));
+    std::uint64_t rivals = bits_of(hn::Eq(hn::Min(v, Replicate(d, limits)), v));
+    for (int i = 0; i < kNumPixels; ++i, sums += 16, best >>= 16, rivals >>= 16) {
+      const int index = std::countr_zero(best);
+      const std::uint64_t beside = std::uint64_t{7} << index >> 1;
+      const bool inner = index > 0 && index < 15;
+      winners.index[u0 + i] = static_cast<std::uint8_t>(index);
+      winners.sum[u0 + i] = minima[16 * i];
+      winners.unique[u0 + i] = (rivals & 0xFFFF & ~beside) == 0 ? 255 : 0;
+      winners.before[u0 + i] = inner ? sums[index - 1] : minima[16 * i];
+      winners.behind[u0 + i] = inner ? sums[index + 1] : minima[16 * i];
+    }
+  }
+}
+
 void FindWinnersOfRow(const SumsRow& row, const std::uint8_t* limit_of_sum, const WinnersRow& winners) {
   if (row.num_disparities % 64 == 0)
     FindWinners(ByteTag<64>(), row, limit_of_sum, winners);
   else if (row.num_disparities % 32 == 0)
     FindWinners(ByteTag<32>(), row, limit_of_sum, winners);
+  else if (row.num_disparities == 16)
+    FindWinnersOfBlocks(ByteTag<64>(), row, limit_of_sum, winners);
   else
     FindWinners(ByteTag<16>(), row, limit_of_sum, winners);
 }

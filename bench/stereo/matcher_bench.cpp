@@ -59,7 +59,8 @@ BENCHMARK(Speckles)->Unit(benchmark::kMillisecond);
 
 void DepthEdges(benchmark::State& state) {
   const StereoFrame& pair = Pair(640, 480);
-  cv::Mat1f disparity = Disparity();
+  UnitImage disparity;
+  disparity.Set(Disparity());
   DepthEdgeSharpener edges({.rounds = 1});
   for (auto _ : state) edges.Sharpen(pair.left, pair.right, disparity);
 }

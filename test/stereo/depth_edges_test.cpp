@@ -30,12 +30,20 @@ StereoFrame TwoSurfaces() {
   return frame;
 }
 
+void Sharpen(const StereoFrame& frame, cv::Mat1f& disparity) {
+  UnitImage units;
+  units.Set(disparity);
+  DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, units);
+  for (int v = 0; v < disparity.rows; ++v)
+    for (int u = 0; u < disparity.cols; ++u) disparity(v, u) = units.Px(v, u);
+}
+
 TEST(DepthEdgesTest, MovesAnEdgeThatIsThreePixelsOffToItsPlace) {
   const StereoFrame frame = TwoSurfaces();
   cv::Mat1f disparity(kHeight, kWidth);
   for (int v = 0; v < kHeight; ++v)
     for (int u = 0; u < kWidth; ++u) disparity(v, u) = u >= kEdge + 3 ? kNear : kFar;
-  DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, disparity);
+  Sharpen(frame, disparity);
   int right_near = 0, invented = 0;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = kEdge; u < kEdge + 3; ++u) right_near += disparity(v, u) == kNear;
@@ -52,7 +60,7 @@ TEST(DepthEdgesTest, GivesAnUnknownPixelItsNeighboursDisparityOnlyWhereTheImages
     for (int u = 70; u < 80; ++u) frame.right(v, u - 5) = 255 - frame.right(v, u - 5);  // a reflection
   cv::Mat1f disparity(kHeight, kWidth, kFar);
   disparity(5, 50) = unknown, disparity(15, 75) = unknown;
-  DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, disparity);
+  Sharpen(frame, disparity);
   EXPECT_EQ(disparity(5, 50), kFar);
   EXPECT_TRUE(std::isnan(disparity(15, 75)));
 }
@@ -62,9 +70,10 @@ TEST(DepthEdgesTest, LeavesASlantedSurfaceAlone) {
   const StereoFrame frame = RenderPlane(kWidth, kHeight, plane);
   cv::Mat1f disparity(kHeight, kWidth), expected;
   for (int v = 0; v < kHeight; ++v)
-    for (int u = 0; u < kWidth; ++u) disparity(v, u) = static_cast<float>(plane.At(u, v));
+    for (int u = 0; u < kWidth; ++u)
+      disparity(v, u) = std::round(static_cast<float>(plane.At(u, v)) * 128.0f) / 128.0f;
   expected = disparity.clone();
-  DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, disparity);
+  Sharpen(frame, disparity);
   EXPECT_TRUE(std::equal(disparity.begin(), disparity.end(), expected.begin()));
 }
 
@@ -84,7 +93,7 @@ TEST(DepthEdgesTest, GivesTheSameBitsOnEveryTarget) {
   std::vector<cv::Mat1f> results;
   OnEveryTarget([&] {
     results.push_back(disparity.clone());
-    DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, results.back());
+    Sharpen(frame, results.back());
   });
   for (const cv::Mat1f& result : results) {
     int different = 0;

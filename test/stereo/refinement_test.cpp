@@ -54,6 +54,23 @@ TEST(RefinementTest, FindsAPlaneFromRoughDisparitiesDespiteGainAndOffset) {
   EXPECT_LT(std::sqrt(squares / count), 0.06);
 }
 
+TEST(RefinementTest, IsHardlyDrawnToHalfPixelsByNoise) {
+  // Between pixels the right image is smoother: there its noise seems less.
+  const Photometry light = {.contrast = 12, .mean = 110, .noise = 3.0};
+  for (const double fraction : {0.25, 0.75}) {
+    const SlantedPlane plane{20.0 + fraction, 0.0, 0.0};
+    const StereoFrame frame = RenderPlane(640, 200, plane, light);
+    cv::Mat1f disparity(200, 640, static_cast<float>(plane.At(0, 0))), sigma;
+    Refiner({.iterations = 3}).Refine(frame.left, frame.right, disparity, &sigma);
+    double sum = 0.0;
+    int count = 0;
+    for (int v = 3; v < 197; ++v)
+      for (int u = 30; u < 637; ++u) sum += disparity(v, u) - plane.At(u, v), ++count;
+    const double towards_half = fraction < 0.5 ? sum / count : -sum / count;
+    EXPECT_LT(towards_half, 0.055);  // 0.07 if both images' gradients counted the same
+  }
+}
+
 TEST(RefinementTest, RefinesTheGreatestDisparities) {
   const SlantedPlane plane{254.3, 0.0, 0.0};
   const StereoFrame frame = RenderPlane(400, 40, plane);
