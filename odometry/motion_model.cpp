@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "odometry/rotation.h"
 
@@ -48,6 +49,7 @@ Motion MotionModel::Predict(const PoseEstimate& last, Timestamp t_capture, const
   if (leg_motion_) {
     motion.T_last_left = mounting_.T_body_left->inverse() * leg_motion_->T_odom_body * *mounting_.T_body_left;
     motion.velocity_world = imu_velocity_world_;
+    motion.by_legs = true;
     const Matrix6d transport = ErrorTransport(*mounting_.T_body_left);
     constexpr double kLegRotationSigma = 0.01;
     constexpr double kLegTranslationSigma = 0.005;
@@ -68,6 +70,34 @@ Motion MotionModel::Predict(const PoseEstimate& last, Timestamp t_capture, const
   return motion;
 }
 
+Matrix6d MotionModel::DriftCovariance(double bridged_s, const ImuSigmas& known,
+                                      const Gravity& gravity) const {
+  const double t = bridged_s;
+  const auto Norm = [](std::initializer_list<double> parts) {
+    double sum = 0.0;
+    for (const double part : parts) sum += part * part;
+    return std::sqrt(sum);
+  };
+  if (imu_in_use_ && imu_gapless_) {
+    const ImuNoise& noise = mounting_.imu_noise;
+    const double fall = 0.5 * t * t;
+    return DiagonalCovariance(
+        Norm({noise.gyro_density * std::sqrt(t), known.gyro_bias * t}),
+        Norm({known.velocity * t, known.accel_bias * fall, kGravityMagnitude * gravity.sigma_rad * fall,
+              noise.accel_density * std::sqrt(t * t * t / 3.0)}));
+  }
+  // Measured on rendered walks with gaps: the body swings with its gait, then turns or stops.
+  constexpr double kSwing_rad = 0.045;
+  constexpr double kSwing_s = 0.15;
+  constexpr double kTurn_radps = 0.08;
+  constexpr double kSpeed_mps = 0.05;
+  constexpr double kShareOfSpeed = 0.3;
+  const double rotation = Norm({kSwing_rad * (1.0 - std::exp(-t / kSwing_s)), kTurn_radps * t,
+                                mean_rotation_rate_.norm() / std::sqrt(3.0) * t});
+  const double translation = Norm({kSpeed_mps * t, kShareOfSpeed * mean_velocity_world_.norm() * t});
+  return DiagonalCovariance(rotation, translation);
+}
+
 void MotionModel::Correct(const PoseEstimate& last, const PoseEstimate& pose, const Motion& predicted,
                           const KeyframeState& biases, const Gravity& gravity) {
   CorrectImuVelocity(last, pose, predicted, biases, gravity);
@@ -76,8 +106,9 @@ void MotionModel::Correct(const PoseEstimate& last, const PoseEstimate& pose, co
   constexpr double kMeanOver_s = 0.7;
   rotation_rate_ = LogRotation(pose.T_prev_left.linear()) / predicted.dt_s;
   velocity_world_ = (pose.T_world_left.translation() - last.T_world_left.translation()) / predicted.dt_s;
-  mean_velocity_world_ +=
-      (velocity_world_ - mean_velocity_world_) * std::min(1.0, predicted.dt_s / kMeanOver_s);
+  const double rate = std::min(1.0, predicted.dt_s / kMeanOver_s);
+  mean_velocity_world_ += (velocity_world_ - mean_velocity_world_) * rate;
+  mean_rotation_rate_ += (rotation_rate_ - mean_rotation_rate_) * rate;
 }
 
 void MotionModel::Bridge(const Motion& predicted, const Gravity& gravity) {

@@ -12,6 +12,7 @@
 #include "odometry/imu_preintegration.h"
 #include "odometry/visual_odometry.h"
 #include "odometry/window.h"
+#include "odometry/window_optimizer.h"
 
 namespace terrace {
 
@@ -19,8 +20,10 @@ namespace terrace {
 struct Motion {
   double dt_s = 0.0;
   Eigen::Isometry3d T_last_left = Eigen::Isometry3d::Identity();
+  /// What it may be wrong by at the worst, at a foot strike: how far to search.
   Matrix6d covariance = Matrix6d::Zero();
   Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();  ///< of the IMU, then
+  bool by_legs = false;
 };
 
 /// How the camera moves while nobody looks: by the IMU, else by the legs, else as it has moved so far.
@@ -36,6 +39,10 @@ class MotionModel {
             const KeyframeState& biases);
   Motion Predict(const PoseEstimate& last, Timestamp t_capture, const KeyframeState& biases,
                  const Gravity& gravity) const;
+
+  /// What bridging is wrong by as a rule, this long after the last pose that the images have shown.
+  /// @param known  of the IMU, at that pose
+  Matrix6d DriftCovariance(double bridged_s, const ImuSigmas& known, const Gravity& gravity) const;
 
   /// The images have shown where the camera came to.
   void Correct(const PoseEstimate& last, const PoseEstimate& pose, const Motion& predicted,
@@ -74,6 +81,7 @@ class MotionModel {
   Eigen::Vector3d velocity_world_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_velocity_world_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_rate_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_rotation_rate_ = Eigen::Vector3d::Zero();
 
   bool imu_in_use_ = false;
   bool imu_refused_ = false;

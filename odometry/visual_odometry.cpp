@@ -279,9 +279,23 @@ class VisualOdometry::Impl {
     pose.reason = reason;
     pose.T_world_left = last_->T_world_left * predicted.T_last_left;
     pose.T_prev_left = predicted.T_last_left;
-    pose.covariance_prev = predicted.covariance;
     const Matrix6d transport = ErrorTransport(predicted.T_last_left);
-    pose.covariance = transport * last_->covariance * transport.transpose() + predicted.covariance;
+    if (predicted.by_legs) {
+      pose.covariance_prev = predicted.covariance;
+      pose.covariance = transport * last_->covariance * transport.transpose() + predicted.covariance;
+    } else {
+      // An error of the velocity goes on: it grows with the time, not with its root.
+      const double scale = std::sqrt(kCorrelation);
+      ImuSigmas known = optimizer_.newest_imu_sigmas();
+      known = {scale * known.velocity, scale * known.gyro_bias, scale * known.accel_bias};
+      const auto DriftAfter = [&](double t_s) { return motion_.DriftCovariance(t_s, known, gravity_); };
+      const Matrix6d drift = DriftAfter(bridged_s_);
+      const Matrix6d before = DriftAfter(bridged_s_ - predicted.dt_s);
+      const Matrix6d from_seen = ErrorTransport(T_world_seen_.inverse() * pose.T_world_left);
+      pose.covariance = from_seen * seen_covariance_ * from_seen.transpose() + drift;
+      const Vector6d step = drift.diagonal().cwiseSqrt() - before.diagonal().cwiseSqrt();
+      pose.covariance_prev = step.cwiseAbs2().asDiagonal();
+    }
     bridge_covariance_ = transport * bridge_covariance_ * transport.transpose() + predicted.covariance;
     pose.vertical_disparity_px = vertical_px_;
     motion_.Bridge(predicted, gravity_);
@@ -337,7 +351,9 @@ class VisualOdometry::Impl {
 
   void Remember(const PoseEstimate& pose) {
     last_ = pose;
-    if (pose.status == TrackingStatus::kTracking) T_world_seen_ = pose.T_world_left;
+    if (pose.status != TrackingStatus::kTracking) return;
+    T_world_seen_ = pose.T_world_left;
+    seen_covariance_ = pose.covariance;
   }
 
   void UpdateVertical(const std::vector<Match>& matches, const PoseSolution& solution) {
@@ -474,6 +490,7 @@ class VisualOdometry::Impl {
   int keyframes_at_rest_ = 0;                   ///< in a row
   Matrix6d own_covariance_ = Matrix6d::Zero();  ///< of the last tracked frame against its keyframe
   Eigen::Isometry3d T_world_seen_ = Eigen::Isometry3d::Identity();  ///< where the camera was tracked last
+  Matrix6d seen_covariance_ = Matrix6d::Zero();                     ///< of that
   double bridged_s_ = 0.0;
   Matrix6d bridge_covariance_ = Matrix6d::Zero();  ///< of the last pose against the last that was tracked
   int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's

@@ -83,6 +83,7 @@ void WindowOptimizer::Start(const Keyframe& first, const Matrix6d& pose_covarian
   }
   prior_states_ = {first};
   newest_covariance_ = pose_covariance;
+  if (T_left_imu_) newest_imu_sigmas_ = {kVelocitySigma, kGyroBiasSigma, kAccelBiasSigma};
   gravity_sigma_rad_ = gravity_sigma_rad;
 }
 
@@ -353,13 +354,18 @@ void WindowOptimizer::Optimize(Window& window, Eigen::Vector3d& down_world, doub
     window.landmarks[point.landmark].inverse_depth_sigma = std::sqrt(1.0 / point.H);
   const Eigen::Index n = system.g.size();
   const Eigen::Index newest = static_cast<Eigen::Index>(window.keyframes.size() - 1) * state_size_;
-  Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(n, 8);
-  wanted.block<6, 6>(newest, 0).setIdentity();
-  if (T_left_imu_) wanted.block<2, 2>(n - 2, 6).setIdentity();
+  Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(n, state_size_ + gravity_size_);
+  wanted.block(newest, 0, state_size_, state_size_).setIdentity();
+  if (T_left_imu_) wanted.bottomRightCorner<2, 2>().setIdentity();
   const Eigen::MatrixXd columns = system.H.ldlt().solve(wanted);
   newest_covariance_ = columns.block<6, 6>(newest, 0);
   newest_covariance_ = (0.5 * (newest_covariance_ + newest_covariance_.transpose())).eval();
-  if (T_left_imu_) gravity_sigma_rad_ = std::sqrt(std::max(0.5 * columns.block<2, 2>(n - 2, 6).trace(), 0.0));
+  if (!T_left_imu_) return;
+  const auto SigmaAt = [&](Eigen::Index first) {
+    return std::sqrt(std::max(columns.block<3, 3>(newest + first, first).trace() / 3.0, 0.0));
+  };
+  newest_imu_sigmas_ = {SigmaAt(6), SigmaAt(9), SigmaAt(12)};
+  gravity_sigma_rad_ = std::sqrt(std::max(0.5 * columns.bottomRightCorner<2, 2>().trace(), 0.0));
 }
 
 void WindowOptimizer::DropOldest(Window& window, const Eigen::Vector3d& down_world, double noise_scale) {

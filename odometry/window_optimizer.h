@@ -13,6 +13,13 @@
 
 namespace terrace {
 
+/// Standard deviations along any axis.
+struct ImuSigmas {
+  double velocity = 0.0;    ///< m/s
+  double gyro_bias = 0.0;   ///< rad/s
+  double accel_bias = 0.0;  ///< m/s^2
+};
+
 /// Refines the keyframes and landmarks of a window together: Levenberg-Marquardt over reprojection in both
 /// cameras, preintegrated IMU factors with biases and the direction of gravity, and a prior that stands for
 /// all that has left the window. Every landmark has one unknown, its inverse depth, and is eliminated by hand
@@ -35,6 +42,8 @@ class WindowOptimizer {
 
   /// Of the newest keyframe against the first pose ever, after Optimize.
   const Matrix6d& newest_covariance() const { return newest_covariance_; }
+  /// How well an IMU's state at the newest keyframe is known, per axis: zeros without an IMU.
+  const ImuSigmas& newest_imu_sigmas() const { return newest_imu_sigmas_; }
   double gravity_sigma_rad() const { return gravity_sigma_rad_; }
   /// Moves the prior along with the window.
   void Move(const Eigen::Isometry3d& move);
@@ -69,6 +78,7 @@ class WindowOptimizer {
   Eigen::Vector3d prior_down_ = -Eigen::Vector3d::UnitZ();
 
   Matrix6d newest_covariance_ = Matrix6d::Zero();
+  ImuSigmas newest_imu_sigmas_;
   double gravity_sigma_rad_ = 0.0;
 };
 

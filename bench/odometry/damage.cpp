@@ -127,6 +127,16 @@ void ApplyDamage(const std::string& name, std::vector<StereoFrame>& frames,
           frame.right.setTo(3);
         },
         frames);
+  } else if (name == "blink") {
+    ForEach(
+        [&](std::size_t i, StereoFrame& frame) {
+          constexpr std::size_t kEvery = 24;
+          const std::size_t length = 1 + i / kEvery % 10;
+          if (i < kEvery || i % kEvery >= length) return;
+          frame.left.setTo(3);
+          frame.right.setTo(3);
+        },
+        frames);
   } else if (name == "gain0.3") {
     ForEach(Gain(0.3), frames);
   } else if (name == "gain3") {

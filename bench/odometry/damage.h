@@ -10,7 +10,8 @@
 
 namespace terrace {
 
-/// The ways in which a sequence can be made worse, by name.
+/// The ways in which a sequence can be made worse, by name: the robustness set. Beside them there is `blink`,
+/// gaps of one to ten black frames all along: for the covariance while bridging.
 const std::vector<std::string>& DamageNames();
 
 /// Damages a sequence in memory. Pixels are copied before they are touched; samples of frames that are

@@ -132,6 +132,7 @@ struct Outcome {
   double nees = 0.0;
   double nees_rotation = 0.0;
   double nees_translation = 0.0;
+  double nees_bridging = 0.0;  ///< of bridging frames alone
   double cpu_ms = 0.0;
   double p99_ms = 0.0;
   double max_ms = 0.0;
@@ -281,7 +282,9 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
     const Eigen::Isometry3d T_est = estimated[0].inverse() * estimated[i];
     const Vector6d e = StepBetween(T_true, T_est);
     const Matrix6d& P = used[i]->covariance;
-    out.nees += e.dot(P.ldlt().solve(e));
+    const double nees = e.dot(P.ldlt().solve(e));
+    out.nees += nees;
+    if (used[i]->status == TrackingStatus::kBridging) out.nees_bridging += nees;
     out.nees_rotation += e.head<3>().dot(P.topLeftCorner<3, 3>().ldlt().solve(e.head<3>()));
     out.nees_translation += e.tail<3>().dot(P.bottomRightCorner<3, 3>().ldlt().solve(e.tail<3>()));
     ++num_nees;
@@ -290,6 +293,7 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
     out.max_jump_mm = std::max(out.max_jump_mm, 1e3 * jump.norm());
   }
   out.nees /= num_nees;
+  out.nees_bridging /= std::max(out.bridging, 1);
   out.nees_rotation /= num_nees;
   out.nees_translation /= num_nees;
   out.end_mm = 1e3 * StepBetween(truth[0].inverse() * truth[n - 1], estimated[0].inverse() * estimated[n - 1])
@@ -308,8 +312,9 @@ void Print(const std::string& title, const Outcome& o) {
   std::printf("%-34s tracked %d/%d bridging %d lost %d | ATE %.2f mm end %.1f jump %.1f | rel", title.c_str(),
               o.tracked, o.frames, o.bridging, o.lost, o.ate_mm, o.end_mm, o.max_jump_mm);
   for (const auto& [length, percent] : o.relative_percent) std::printf(" %gm %.2f%%", length, percent);
-  std::printf(" mean %.3f%% | NEES %.1f (r %.1f t %.1f) | cpu %.2f ms p99 %.1f max %.1f", o.mean_relative,
-              o.nees, o.nees_rotation, o.nees_translation, o.cpu_ms, o.p99_ms, o.max_ms);
+  std::printf(" mean %.3f%% | NEES %.1f (r %.1f t %.1f bridging %.1f) | cpu %.2f ms p99 %.1f max %.1f",
+              o.mean_relative, o.nees, o.nees_rotation, o.nees_translation, o.nees_bridging, o.cpu_ms,
+              o.p99_ms, o.max_ms);
   if (o.sgbm_ratio > 0.0) std::printf(" sgbm/%.1f", o.sgbm_ratio);
   std::printf(" | heap %.1f %.1f MiB | gravity %s %.2f deg (sigma %.2f) | %016zx\n", o.heap_early_mib,
               o.heap_mib, Name(o.gravity.source), o.gravity_error_deg, 180.0 / M_PI * o.gravity.sigma_rad,

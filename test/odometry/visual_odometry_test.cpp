@@ -117,6 +117,19 @@ Mounting WithImu() {
   return mounting;
 }
 
+/// The same samples with the noise that WithImu() claims.
+SensorSamples WithNoise(SensorSamples samples, std::mt19937& random) {
+  const double root_rate = std::sqrt(static_cast<double>(samples.imu.size()) / kFrame_s);
+  std::normal_distribution<double> normal;
+  for (ImuSample& sample : samples.imu) {
+    for (int axis = 0; axis < 3; ++axis) {
+      sample.gyro[axis] += WithImu().imu_noise.gyro_density * root_rate * normal(random);
+      sample.accel[axis] += WithImu().imu_noise.accel_density * root_rate * normal(random);
+    }
+  }
+  return samples;
+}
+
 /// Body x forward, y left, z up, in the camera's place.
 Mounting WithBody() {
   Mounting mounting;
@@ -200,6 +213,38 @@ TEST(VisualOdometryTest, KnowsWithAnImuWhereDownIsAndWalksOnThroughTheDark) {
   EXPECT_EQ(odometry.gravity().source, GravitySource::kImu);
   const Eigen::Vector3d down_left = first.T_world_left.linear().transpose() * odometry.gravity().down_world;
   EXPECT_LT(std::acos(down_left.dot(Walk(0).linear().transpose() * Eigen::Vector3d::UnitY())), 0.02);
+}
+
+/// Mean normalised error squared (6 is honest) of frames that were bridged through gaps of one to five
+/// frames.
+double BridgingNees(bool with_imu) {
+  VisualOdometry odometry({}, kCamera, with_imu ? WithImu() : Mounting{});
+  std::mt19937 random(3);
+  PoseEstimate first;
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < 70; ++i) {
+    constexpr int kEvery = 10;
+    const bool black = i >= 20 && i % kEvery < i / kEvery - 1;
+    const StereoFrame frame = World().Frame(i, Walk(i));
+    const PoseEstimate pose = odometry.Track(black ? Black(frame) : frame,
+                                             with_imu ? WithNoise(ImuUpTo(i), random) : SensorSamples{});
+    if (i == 0) first = pose;
+    EXPECT_EQ(pose.status, black ? TrackingStatus::kBridging : TrackingStatus::kTracking) << "frame " << i;
+    if (!black) continue;
+    const Vector6d error = StepBetween(Walk(0).inverse() * Walk(i), FromStart(first, pose));
+    sum += error.dot(pose.covariance.ldlt().solve(error));
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(VisualOdometryTest, KnowsHowWrongItIsWhileItBridges) {
+  for (const bool with_imu : {false, true}) {
+    const double nees = BridgingNees(with_imu);
+    EXPECT_GT(nees, 1.0) << (with_imu ? "with IMU" : "without IMU");
+    EXPECT_LT(nees, 12.0) << (with_imu ? "with IMU" : "without IMU");
+  }
 }
 
 TEST(VisualOdometryTest, DoesWithoutAnImuThatTurnsOtherwiseThanTheImages) {
