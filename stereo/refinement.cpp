@@ -285,21 +285,28 @@ HWY_INLINE WindowSums SumsOfSurface(const ResidualRow* rows, int u, std::int16_t
   auto n = hn::Zero(d16), sum_g = n, sum_e = n;
   WindowSums s;
   s.gg = s.ge = s.ee = hn::Zero(df);
-  for (int r = 0; r < 5; ++r)
-    for (int i = -kReach; i <= kReach; ++i) {
-      const auto other = hn::LoadU(d16, rows[r].disparity + u + i);
+  for (int r = 0; r < 5; ++r) {
+    VecF gg[5], ge[5], ee[5];
+    for (int i = 0; i < 5; ++i) {
+      const int at = u + i - kReach;
+      const auto other = hn::LoadU(d16, rows[r].disparity + at);
       const auto same =
           hn::AndNot(hn::Gt(hn::Abs(hn::Sub(other, centre)), jump), hn::Gt(other, hn::Zero(d16)));
-      const auto g = hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].gradient + u + i));
-      const auto e = hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].residual + u + i));
+      const auto g = hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].gradient + at));
+      const auto e = hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].residual + at));
       n = hn::Add(n, hn::IfThenElseZero(same, one));
       sum_g = hn::Add(sum_g, g);
       sum_e = hn::Add(sum_e, e);
       const auto gf = ToFloat(g), ef = ToFloat(e);
-      s.gg = hn::Add(s.gg, hn::Mul(gf, gf));
-      s.ge = hn::Add(s.ge, hn::Mul(gf, ef));
-      s.ee = hn::Add(s.ee, hn::Mul(ef, ef));
+      gg[i] = hn::Mul(gf, gf);
+      ge[i] = hn::Mul(gf, ef);
+      ee[i] = hn::Mul(ef, ef);
     }
+    // Row by row, so that one addition need not wait for all that went before.
+    s.gg = hn::Add(s.gg, SumOfFive(gg[0], gg[1], gg[2], gg[3], gg[4]));
+    s.ge = hn::Add(s.ge, SumOfFive(ge[0], ge[1], ge[2], ge[3], ge[4]));
+    s.ee = hn::Add(s.ee, SumOfFive(ee[0], ee[1], ee[2], ee[3], ee[4]));
+  }
   s.n = ToFloat(n), s.g = ToFloat(sum_g), s.e = ToFloat(sum_e);
   return s;
 }
