@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -167,40 +166,56 @@ int ChildIndex(const octomap::OcTreeKey& key, unsigned child_depth) {
   return octomap::computeChildIdx(key, static_cast<int>(kTreeDepth - child_depth));
 }
 
+/// std::floor without a call into the C library; |x| below 2^31.
+int Floor(float x) {
+  const int towards_zero = static_cast<int>(x);
+  return towards_zero - static_cast<int>(static_cast<float>(towards_zero) > x);
+}
+
 struct FrameLeaf {
-  octomap::OcTreeKey key;  // of the leaf's lowest corner
-  int level = 0;
+  std::uint64_t packed = 0;  // level and key
   PointMoments moments;
+
+  /// Of the leaf's lowest corner.
+  octomap::OcTreeKey key() const {
+    return {static_cast<octomap::key_type>(packed >> 32), static_cast<octomap::key_type>(packed >> 16),
+            static_cast<octomap::key_type>(packed)};
+  }
+  int level() const { return static_cast<int>(packed >> 48); }
 };
 
 /// The leaves that one frame touches: an open-addressing table that is emptied in no time.
 class FrameLeaves {
  public:
-  FrameLeaves() : slots_(std::size_t{1} << 15) {}
+  /// @param width  of the image, whose points come in rows
+  explicit FrameLeaves(int width)
+      : slots_(std::size_t{1} << 15), above_(static_cast<std::size_t>(width / kColumn) + 1) {}
 
   void Clear() {
     leaves_.clear();
+    std::fill(above_.begin(), above_.end(), 0);
     ++generation_;
   }
-  FrameLeaf& At(const octomap::OcTreeKey& key, int level) {
+  /// @param u  column of the image: most points lie in the leaf of the one to their left or above
+  FrameLeaf& At(const octomap::OcTreeKey& key, int level, int u) {
     const std::uint64_t packed = (std::uint64_t(level) << 48) | (std::uint64_t(key[0]) << 32) |
                                  (std::uint64_t(key[1]) << 16) | std::uint64_t(key[2]);
-    if (packed == last_packed_ && last_generation_ == generation_) return leaves_[last_index_];
+    std::uint32_t& above = above_[static_cast<std::size_t>(u / kColumn)];
+    if (above < leaves_.size() && leaves_[above].packed == packed) return leaves_[above];
     if (leaves_.size() * 2 >= slots_.size()) Grow();
     Slot& slot = Find(packed);
     if (slot.generation != generation_) {
       slot = {packed, generation_, static_cast<std::uint32_t>(leaves_.size())};
-      leaves_.push_back({key, level, {}});
+      leaves_.push_back({packed, {}});
     }
-    last_packed_ = packed;
-    last_generation_ = generation_;
-    last_index_ = slot.index;
+    above = slot.index;
     return leaves_[slot.index];
   }
   const std::vector<FrameLeaf>& leaves() const { return leaves_; }
   std::int64_t memory_bytes() const {
     return static_cast<std::int64_t>(slots_.capacity() * sizeof(Slot) +
-                                     leaves_.capacity() * sizeof(FrameLeaf));
+                                     leaves_.capacity() * sizeof(FrameLeaf) +
+                                     above_.capacity() * sizeof(std::uint32_t));
   }
 
  private:
@@ -224,10 +239,10 @@ class FrameLeaves {
 
   std::vector<Slot> slots_;
   std::vector<FrameLeaf> leaves_;
+  std::vector<std::uint32_t> above_;  // by column: the leaf of the point last seen there
   std::uint32_t generation_ = 1;
-  std::uint64_t last_packed_ = 0;
-  std::uint32_t last_generation_ = 0;
-  std::uint32_t last_index_ = 0;
+
+  static constexpr int kColumn = 4;  // pixels; a leaf is seldom narrower
 };
 
 }  // namespace
@@ -263,6 +278,7 @@ class TerrainOctree::Impl {
         cell_depth_(kTreeDepth - static_cast<unsigned>(cell_shift_)),
         max_level_(cell_shift_ - 2),  // at least 4 leaves along the edge of a cell
         tree_(config.leaf_size_m),
+        frame_leaves_(camera.width),
         tiles_x_((camera.width + kTilePx - 1) / kTilePx),
         tiles_y_((camera.height + kTilePx - 1) / kTilePx),
         tile_disparity_(static_cast<std::size_t>(tiles_x_) * tiles_y_, 0.0F) {}
@@ -314,63 +330,53 @@ class TerrainOctree::Impl {
     const float pose_variance = static_cast<float>(config_.pose_sigma_m * config_.pose_sigma_m);
     const float sigma_factor = static_cast<float>(config_.depth_sigma_factor);
     const float leaf_m = static_cast<float>(config_.leaf_size_m);
-    const float fx = static_cast<float>(camera_.fx), fy = static_cast<float>(camera_.fy);
-    const float cx = static_cast<float>(camera_.cx), cy = static_cast<float>(camera_.cy);
-    const float width = static_cast<float>(camera_.width), height = static_cast<float>(camera_.height);
     const float fb = static_cast<float>(camera_.fx * camera_.baseline_m);
     // Level l is used while a leaf is min_leaf_px wide: z <= max_z[l].
     std::array<float, 8> max_z{};
     for (int level = 0; level < max_level_; ++level)
       max_z[level] =
           static_cast<float>(config_.leaf_size_m * (1 << level) * camera_.fx / config_.min_leaf_px);
-    // The pixel that shows a point; none for anything that is not a number.
-    const auto pixel_of = [&](const Eigen::Vector3f& p_left) -> std::optional<Eigen::Vector2i> {
-      const float inverse_z = 1.0F / p_left.z();
-      const float u = fx * p_left.x() * inverse_z + cx + 0.5F;
-      const float v = fy * p_left.y() * inverse_z + cy + 0.5F;
-      if (!(inverse_z > 0.0F && u >= 0.0F && v >= 0.0F && u < width && v < height)) return std::nullopt;
-      return Eigen::Vector2i(static_cast<int>(u), static_cast<int>(v));
-    };
     for (const CloudPoint& point : cloud.points) {
-      const std::optional<Eigen::Vector2i> pixel = pixel_of(point.p_left);
       const float sigma = sigma_factor * point.sigma_depth_m;
       const float variance = sigma * sigma + pose_variance;
       const Eigen::Vector3f p = R * point.p_left + in_camera_leaf;
       // Also false for anything that is not a number.
-      if (!(pixel && variance > 0.0F && p.cwiseAbs().maxCoeff() < kKeyOffset)) continue;
-      // Neighbouring pixels err alike: like the white fields of a chessboard, half of them say as much as
-      // all.
-      if (((pixel->x() ^ pixel->y()) & 1) != 0) continue;
+      const auto within = [](float x) { return std::abs(x) < kKeyOffset; };
+      if (!(InImage(point) && variance > 0.0F && within(p.x()) && within(p.y()) && within(p.z()))) continue;
       int level = 0;
       while (level < max_level_ && point.p_left.z() > max_z[level]) ++level;
-      const Eigen::Array3f floor = p.array().floor();
-      Eigen::Vector3i index = camera_leaf + floor.cast<int>().matrix();
+      const Eigen::Vector3i floor(Floor(p.x()), Floor(p.y()), Floor(p.z()));
+      Eigen::Vector3i index = camera_leaf + floor;
       if (index.minCoeff() < 0 || index.maxCoeff() >= 2 * kKeyOffset) continue;
       Eigen::Vector3f offset =
-          p - floor.matrix() - Eigen::Vector3f::Constant(0.5F * static_cast<float>(1 << level));
+          p - floor.cast<float>() - Eigen::Vector3f::Constant(0.5F * static_cast<float>(1 << level));
       for (int i = 0; i < 3; ++i) {
         const int low = (index[i] >> level) << level;
         offset[i] += static_cast<float>(index[i] - low);
         index[i] = low;
       }
-      FrameLeaf& leaf = frame_leaves_.At(KeyAt(index), level);
+      FrameLeaf& leaf = frame_leaves_.At(KeyAt(index), level, point.u);
       leaf.moments.Add(1.0F / variance, offset * leaf_m);
-      float& tile = TileAt(*pixel);
+      float& tile = TileAt(point);
       tile = std::max(tile, fb / point.p_left.z());
     }
     // As near as they may well be.
     constexpr float kSigmas = 2.0F;
     for (const CloudPoint& point : cloud.uncertain) {
-      const std::optional<Eigen::Vector2i> pixel = pixel_of(point.p_left);
-      if (!pixel) continue;
+      if (!InImage(point)) continue;
       const float z = point.p_left.z();
-      float& tile = TileAt(*pixel);
+      float& tile = TileAt(point);
       tile = std::max(tile, fb / z * (1.0F + kSigmas * point.sigma_depth_m / z));
     }
   }
 
-  float& TileAt(const Eigen::Vector2i& pixel) {
-    return tile_disparity_[static_cast<std::size_t>(pixel.y() / kTilePx) * tiles_x_ + pixel.x() / kTilePx];
+  /// False for anything that is not a number.
+  bool InImage(const CloudPoint& point) const {
+    return point.p_left.z() > 0.0F && point.u < camera_.width && point.v < camera_.height;
+  }
+
+  float& TileAt(const CloudPoint& point) {
+    return tile_disparity_[static_cast<std::size_t>(point.v / kTilePx) * tiles_x_ + point.u / kTilePx];
   }
 
   static octomap::OcTreeKey KeyAt(const Eigen::Vector3i& index) {
@@ -380,16 +386,17 @@ class TerrainOctree::Impl {
 
   void AddToTree(FrameId frame_id, const Eigen::Vector3d& camera_world) {
     for (const FrameLeaf& seen : frame_leaves_.leaves()) {
-      Node* node = CellNodeOf(seen.key);
+      const octomap::OcTreeKey key = seen.key();
+      Node* node = CellNodeOf(key);
       Cell& cell = cells_[node->getValue()];
       cell.weight += seen.moments.weight;
-      Touch(KeyOf(seen.key), frame_id, &cell);
+      Touch(KeyOf(key), frame_id, &cell);
       // Down to the leaf.
-      const unsigned depth = kTreeDepth - static_cast<unsigned>(seen.level);
+      const unsigned depth = kTreeDepth - static_cast<unsigned>(seen.level());
       std::array<Node*, 8> coarse{};
       std::size_t num_coarse = 0;
       for (unsigned child_depth = cell_depth_ + 1; child_depth <= depth; ++child_depth) {
-        const unsigned child = static_cast<unsigned>(ChildIndex(seen.key, child_depth));
+        const unsigned child = static_cast<unsigned>(ChildIndex(key, child_depth));
         node = tree_.GetOrMakeChild(node, child);
         if (child_depth == depth || node->getValue() == kNothing) continue;
         coarse[num_coarse++] = node;
@@ -398,7 +405,7 @@ class TerrainOctree::Impl {
       if (node->getValue() == kNothing) {
         if (tree_.nodeHasChildren(node)) continue;  // known more finely already
         node->setValue(leaves_.Take());
-        leaves_[node->getValue()].level = seen.level;
+        leaves_[node->getValue()].level = seen.level();
       }
       Leaf& leaf = leaves_[node->getValue()];
       AddToLeaf(seen, frame_id, camera_world, &leaf);
@@ -426,9 +433,10 @@ class TerrainOctree::Impl {
       leaf->view_sum *= fade;
       leaf->num_frames *= fade;
     }
-    const double half = 0.5 * (1 << seen.level);
+    const octomap::OcTreeKey key = seen.key();
+    const double half = 0.5 * (1 << seen.level());
     const Eigen::Vector3d centre =
-        config_.leaf_size_m * (Eigen::Vector3d(seen.key[0], seen.key[1], seen.key[2]) +
+        config_.leaf_size_m * (Eigen::Vector3d(key[0], key[1], key[2]) +
                                Eigen::Vector3d::Constant(half - kKeyOffset));
     const Eigen::Vector3d ray = centre - camera_world;
     const float range = static_cast<float>(ray.norm());

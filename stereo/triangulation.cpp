@@ -48,13 +48,15 @@ Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, c
       if (!(d > 0.0f) || (mask_row && mask_row[u] == 0)) continue;
       int step = 1;
       while (step < kMaxStep && d >= crowded_px * static_cast<float>(2 * step)) step *= 2;
-      if (((u | v) & (step - 1)) != 0) continue;
+      if (((u | v) & (step - 1)) != 0 || ((u ^ v) & 1) != 0) continue;
       const float z = fb / d;
       const float sigma_z = z / d * sigma_row[u];  // |dz/dd| = f b / d^2
       const bool certain = sigma_z <= max_sigma_m;
       if (!certain && (((u | v) & (kUncertainStep - 1)) != 0 || !std::isfinite(sigma_z))) continue;
       std::vector<CloudPoint>& points = certain ? cloud.points : cloud.uncertain;
       points.push_back({{(static_cast<float>(u) - cx) * inv_fx * z, y_over_z * z, z},
+                        static_cast<std::uint16_t>(u),
+                        static_cast<std::uint16_t>(v),
                         sigma_z,
                         kSigmaOfUnitSquare * static_cast<float>(step) * z * inv_fx});
     }

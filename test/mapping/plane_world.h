@@ -48,7 +48,8 @@ struct PlaneWorld {
     }
   }
 
-  /// What a camera sees, every `step`-th pixel; disparities carry Gaussian noise.
+  /// What a camera sees, every `step`-th pixel and no more than half of all, like Triangulate(); disparities
+  /// carry Gaussian noise.
   Cloud See(const StereoCamera& camera, const Eigen::Isometry3d& T_world_left, FrameId frame_id, int step,
             double sigma_px, std::mt19937* random) const {
     Cloud cloud;
@@ -64,9 +65,9 @@ struct PlaneWorld {
         if (disparity < 1.0) continue;
         const Eigen::Vector3d p = camera.Triangulate(u, v, disparity);
         const double sigma = camera.DepthSigma(p.z(), std::max(sigma_px, 0.02));
-        if (sigma > 0.05) continue;
-        cloud.points.push_back(
-            {p.cast<float>(), static_cast<float>(sigma), static_cast<float>(0.3 * p.z() / camera.fx)});
+        if (sigma > 0.05 || ((u ^ v) & 1) != 0) continue;
+        cloud.points.push_back({p.cast<float>(), static_cast<std::uint16_t>(u), static_cast<std::uint16_t>(v),
+                                static_cast<float>(sigma), static_cast<float>(0.3 * p.z() / camera.fx)});
       }
     }
     return cloud;

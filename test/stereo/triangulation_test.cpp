@@ -33,9 +33,13 @@ TEST(TriangulateTest, RecoversAPlaneAtTwoMetresWithinOneMillimetre) {
   const Eigen::Vector3d normal_left = Eigen::Vector3d(0.1, 0.4, 1.0).normalized();
   const DisparityImage image = SeePlane(normal_left, 2.0);
   const Cloud cloud = Triangulate(image, kCamera, EveryPixel());
-  ASSERT_EQ(cloud.points.size(), 64u * 48u);
-  for (const CloudPoint& point : cloud.points)
+  ASSERT_EQ(cloud.points.size(), 64u * 48u / 2u);
+  for (const CloudPoint& point : cloud.points) {
     EXPECT_NEAR(normal_left.dot(point.p_left.cast<double>()), 2.0, 1e-3);
+    const Eigen::Vector2d pixel = kCamera.Project(point.p_left.cast<double>());
+    EXPECT_NEAR(pixel.x(), point.u, 1e-3);
+    EXPECT_NEAR(pixel.y(), point.v, 1e-3);
+  }
 }
 
 TEST(TriangulateTest, GivesTheSigmaOfTheCameraModel) {
@@ -48,13 +52,13 @@ TEST(TriangulateTest, GivesTheSigmaOfTheCameraModel) {
 TEST(TriangulateTest, LeavesOutUnknownMaskedAndUncertainPixels) {
   DisparityImage image = SeePlane(Eigen::Vector3d::UnitZ(), 2.0);
   image.disparity_px(3, 5) = std::numeric_limits<float>::quiet_NaN();
-  image.disparity_px(3, 6) = 0.0f;
+  image.disparity_px(2, 6) = 0.0f;
   image.sigma_px(3, 7) = 5.0f;
   cv::Mat1b mask(kCamera.height, kCamera.width, static_cast<std::uint8_t>(255));
-  mask(3, 8) = 0;
+  mask(2, 8) = 0;
   CloudConfig config = EveryPixel();
   config.max_depth_sigma_m = kCamera.DepthSigma(2.0, 1.0);
-  EXPECT_EQ(Triangulate(image, kCamera, config, mask).points.size(), 64u * 48u - 4u);
+  EXPECT_EQ(Triangulate(image, kCamera, config, mask).points.size(), 64u * 48u / 2u - 4u);
 }
 
 TEST(TriangulateTest, GivesSomeOfTheUncertainPixelsApart) {
@@ -69,11 +73,12 @@ TEST(TriangulateTest, GivesSomeOfTheUncertainPixelsApart) {
 }
 
 TEST(TriangulateTest, TakesFewerPixelsWhereTheyLieDenserThanTheSpacing) {
-  // Pixels are 2 m / 40 = 5 cm apart: every pixel down to 5 cm of spacing, every second one from 10 cm on.
+  // Pixels are 2 m / 40 = 5 cm apart: the white fields of a chessboard down to
+  // 5 cm of spacing, every second row and column from 10 cm on.
   const DisparityImage image = SeePlane(Eigen::Vector3d::UnitZ(), 2.0);
   CloudConfig config = EveryPixel();
   config.min_spacing_m = 0.051;
-  EXPECT_EQ(Triangulate(image, kCamera, config).points.size(), 64u * 48u);
+  EXPECT_EQ(Triangulate(image, kCamera, config).points.size(), 64u * 48u / 2u);
   config.min_spacing_m = 0.101;
   const Cloud half = Triangulate(image, kCamera, config);
   EXPECT_EQ(half.points.size(), 64u * 48u / 4u);
