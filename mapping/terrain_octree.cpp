@@ -59,22 +59,41 @@ struct PointMoments {
   }
 };
 
-struct Leaf {
+/// What is known of the surface in a leaf: a cache line.
+struct alignas(64) Leaf {
   PointMoments moments;
   Eigen::Vector3f view_sum = Eigen::Vector3f::Zero();  // weight * unit direction of view
   float num_frames = 0.0F;                             // that put points into it
-  // Frames that had it in view, nothing in front of it, when its turn came to be checked; and those of them
-  // that put points into it.
+  float spacing_m = 0.0F;
+};
+static_assert(sizeof(Leaf) == 64);
+
+/// Whether a leaf is occupied, and what says so. Apart from the surface, since every frame checks many leaves
+/// that it adds nothing to.
+struct Evidence {
+  std::array<std::uint8_t, 3> corner{};  // lowest one, from that of the cell, in finest leaves
+  std::uint8_t level = 0;
+  // Frames that had the leaf in view, nothing in front of it, when its turn came to be checked; and those of
+  // them that put points into it.
   float num_views = 0.0F;
   float num_hits = 0.0F;
   FrameId hit_frame = -1;
-  float spacing_m = 0.0F;
-  int level = 0;
-  bool occupied = false;
   int credit = 0;  // frames that hit it minus frames that saw through it; cleared below zero
+  bool enough_points = false;
+  bool occupied = false;
 };
 
+/// Where a leaf of a cell comes when the octree is walked: eighth by eighth, coarse ones before what they
+/// hold.
+int Rank(const Evidence& leaf) {
+  int rank = 0;
+  for (int bit = 5; bit >= 0; --bit)
+    for (int axis = 2; axis >= 0; --axis) rank = 2 * rank + (leaf.corner[axis] >> bit & 1);
+  return 8 * rank + 7 - leaf.level;
+}
+
 struct Cell {
+  std::vector<int> leaves;     // that it holds, in the order of the octree
   float weight = 0.0F;         // all that was ever added
   float fitted_weight = 0.0F;  // `weight` when the cell was last reported
   int num_changed_leaves = 0;  // occupied or no longer, since it was last reported
@@ -107,6 +126,30 @@ class Pool {
  private:
   std::vector<T> items_;
   std::vector<int> free_;
+};
+
+/// Both parts of the leaves, by the same index.
+class LeafPool {
+ public:
+  int Take() {
+    const int index = leaves_.Take();
+    if (static_cast<std::size_t>(index) == evidence_.size()) evidence_.emplace_back();
+    evidence_[index] = {};
+    return index;
+  }
+  void GiveBack(int index) { leaves_.GiveBack(index); }
+  Leaf& leaf(int index) { return leaves_[index]; }
+  const Leaf& leaf(int index) const { return leaves_[index]; }
+  Evidence& evidence(int index) { return evidence_[index]; }
+  const Evidence& evidence(int index) const { return evidence_[index]; }
+  std::int64_t num_used() const { return leaves_.num_used(); }
+  std::int64_t memory_bytes() const {
+    return leaves_.memory_bytes() + static_cast<std::int64_t>(evidence_.capacity() * sizeof(Evidence));
+  }
+
+ private:
+  Pool<Leaf> leaves_;
+  std::vector<Evidence> evidence_;
 };
 
 /// The value of a node is a slot: of a Cell at the depth of cells, of a Leaf below, kNothing above and where
@@ -298,8 +341,10 @@ class TerrainOctree::Impl {
     surfels->clear();
     const Node* node = FindCell(cell);
     if (node == nullptr) return;
-    const int half = config_.leaves_per_cell / 2;
-    CollectFrom(node, cell_depth_, Eigen::Vector3i::Constant(-half), surfels);
+    for (const int index : cells_[node->getValue()].leaves) {
+      const Evidence& evidence = leaves_.evidence(index);
+      if (evidence.occupied) surfels->push_back(SurfelOf(leaves_.leaf(index), evidence));
+    }
   }
 
   Eigen::Vector3d CellCentre(const CellKey& cell) const {
@@ -309,7 +354,8 @@ class TerrainOctree::Impl {
   std::int64_t num_occupied_leaves() const { return leaves_.num_used(); }
 
   std::int64_t memory_bytes() const {
-    return tree_.memory_bytes() + leaves_.memory_bytes() + cells_.memory_bytes() +
+    const auto lists = leaves_.num_used() * static_cast<std::int64_t>(sizeof(int));  // Cell::leaves
+    return tree_.memory_bytes() + leaves_.memory_bytes() + cells_.memory_bytes() + lists +
            frame_leaves_.memory_bytes();
   }
 
@@ -385,37 +431,52 @@ class TerrainOctree::Impl {
   }
 
   void AddToTree(FrameId frame_id, const Eigen::Vector3d& camera_world) {
-    for (const FrameLeaf& seen : frame_leaves_.leaves()) {
-      const octomap::OcTreeKey key = seen.key();
-      Node* node = CellNodeOf(key);
-      Cell& cell = cells_[node->getValue()];
-      cell.weight += seen.moments.weight;
-      Touch(KeyOf(key), frame_id, &cell);
-      // Down to the leaf.
-      const unsigned depth = kTreeDepth - static_cast<unsigned>(seen.level());
-      std::array<Node*, 8> coarse{};
-      std::size_t num_coarse = 0;
-      for (unsigned child_depth = cell_depth_ + 1; child_depth <= depth; ++child_depth) {
-        const unsigned child = static_cast<unsigned>(ChildIndex(key, child_depth));
-        node = tree_.GetOrMakeChild(node, child);
-        if (child_depth == depth || node->getValue() == kNothing) continue;
-        coarse[num_coarse++] = node;
-        leaves_[node->getValue()].hit_frame = frame_id;
-      }
-      if (node->getValue() == kNothing) {
-        if (tree_.nodeHasChildren(node)) continue;  // known more finely already
-        node->setValue(leaves_.Take());
-        leaves_[node->getValue()].level = seen.level();
-      }
-      Leaf& leaf = leaves_[node->getValue()];
-      AddToLeaf(seen, frame_id, camera_world, &leaf);
-      // Coarse leaves, seen from afar, give way to a finer one that is well known.
-      if (leaf.num_frames < kFramesToReplace) continue;
-      for (std::size_t i = 0; i < num_coarse; ++i) {
-        leaves_.GiveBack(coarse[i]->getValue());
-        coarse[i]->setValue(kNothing);
-        ++cell.num_changed_leaves;
-      }
+    for (const FrameLeaf& seen : frame_leaves_.leaves()) AddLeaf(seen, frame_id, camera_world);
+  }
+
+  void AddLeaf(const FrameLeaf& seen, FrameId frame_id, const Eigen::Vector3d& camera_world) {
+    const octomap::OcTreeKey key = seen.key();
+    Node* node = CellNodeOf(key);
+    Cell& cell = cells_[node->getValue()];
+    cell.weight += seen.moments.weight;
+    Touch(KeyOf(key), frame_id, &cell);
+    // Down to the leaf.
+    const unsigned depth = kTreeDepth - static_cast<unsigned>(seen.level());
+    std::array<Node*, 8> coarse{};
+    std::size_t num_coarse = 0;
+    for (unsigned child_depth = cell_depth_ + 1; child_depth <= depth; ++child_depth) {
+      const unsigned child = static_cast<unsigned>(ChildIndex(key, child_depth));
+      node = tree_.GetOrMakeChild(node, child);
+      if (child_depth == depth || node->getValue() == kNothing) continue;
+      coarse[num_coarse++] = node;
+      leaves_.evidence(node->getValue()).hit_frame = frame_id;
+    }
+    if (node->getValue() == kNothing) {
+      if (tree_.nodeHasChildren(node)) return;  // known more finely already
+      node->setValue(leaves_.Take());
+      Evidence& evidence = leaves_.evidence(node->getValue());
+      for (int axis = 0; axis < 3; ++axis)
+        evidence.corner[axis] = static_cast<std::uint8_t>(key[axis] & (config_.leaves_per_cell - 1));
+      evidence.level = static_cast<std::uint8_t>(seen.level());
+      const auto at =
+          std::lower_bound(cell.leaves.begin(), cell.leaves.end(), Rank(evidence),
+                           [&](int other, int rank) { return Rank(leaves_.evidence(other)) < rank; });
+      cell.leaves.insert(at, node->getValue());
+    }
+    Leaf& leaf = leaves_.leaf(node->getValue());
+    AddToLeaf(seen, camera_world, &leaf);
+    Evidence& evidence = leaves_.evidence(node->getValue());
+    evidence.hit_frame = frame_id;
+    evidence.credit = std::min(evidence.credit + 1, config_.free_frames);
+    evidence.enough_points = leaf.moments.num_points >= static_cast<float>(config_.min_points) &&
+                             leaf.num_frames >= static_cast<float>(config_.min_frames);
+    // Coarse leaves, seen from afar, give way to a finer one that is well known.
+    if (leaf.num_frames < kFramesToReplace) return;
+    for (std::size_t j = 0; j < num_coarse; ++j) {
+      std::erase(cell.leaves, coarse[j]->getValue());
+      leaves_.GiveBack(coarse[j]->getValue());
+      coarse[j]->setValue(kNothing);
+      ++cell.num_changed_leaves;
     }
   }
 
@@ -425,8 +486,7 @@ class TerrainOctree::Impl {
     touched_.push_back(key);
   }
 
-  void AddToLeaf(const FrameLeaf& seen, FrameId frame_id, const Eigen::Vector3d& camera_world,
-                 Leaf* leaf) const {
+  void AddToLeaf(const FrameLeaf& seen, const Eigen::Vector3d& camera_world, Leaf* leaf) const {
     if (leaf->num_frames >= static_cast<float>(config_.memory_frames)) {
       const float fade = 1.0F - 1.0F / static_cast<float>(config_.memory_frames);
       leaf->moments.Scale(fade);
@@ -435,18 +495,15 @@ class TerrainOctree::Impl {
     }
     const octomap::OcTreeKey key = seen.key();
     const double half = 0.5 * (1 << seen.level());
-    const Eigen::Vector3d centre =
-        config_.leaf_size_m * (Eigen::Vector3d(key[0], key[1], key[2]) +
-                               Eigen::Vector3d::Constant(half - kKeyOffset));
+    const Eigen::Vector3d centre = config_.leaf_size_m * (Eigen::Vector3d(key[0], key[1], key[2]) +
+                                                          Eigen::Vector3d::Constant(half - kKeyOffset));
     const Eigen::Vector3d ray = centre - camera_world;
     const float range = static_cast<float>(ray.norm());
     leaf->view_sum += seen.moments.weight / std::max(range, 1e-3F) * ray.cast<float>();
     leaf->moments.Add(seen.moments);
     leaf->num_frames += 1.0F;
-    leaf->hit_frame = frame_id;
     const float spacing = range / static_cast<float>(camera_.fx);
     if (leaf->spacing_m == 0.0F || spacing < leaf->spacing_m) leaf->spacing_m = spacing;
-    leaf->credit = std::min(leaf->credit + 1, config_.free_frames);
   }
 
   /// Walks the octree inside the field of view and clears leaves behind which the image shows something.
@@ -499,7 +556,7 @@ class TerrainOctree::Impl {
       if (((key.x + key.y + key.z + frame_id_) & (kTurns - 1)) != 0) return;
       Cell& cell = cells_[node->getValue()];
       const int before = cell.num_changed_leaves;
-      CheckLeaves(node, depth, centre.cast<float>(), &cell);
+      CheckLeaves(node, corner, centre.cast<float>(), &cell);
       if (cell.num_changed_leaves != before) Touch(key, frame_id_, &cell);
       return;
     }
@@ -508,43 +565,57 @@ class TerrainOctree::Impl {
         CheckCells(tree_.getNodeChild(node, child), depth + 1, corner + size / 2 * Octant(child));
   }
 
-  /// Checks everything below a node; children that hold nothing any more are deleted. `centre` is the node's,
-  /// in the left frame.
-  void CheckLeaves(Node* node, unsigned depth, const Eigen::Vector3f& centre, Cell* cell) {
-    if (depth > cell_depth_ && node->getValue() != kNothing) CheckLeaf(node, depth, centre, cell);
-    if (depth == kTreeDepth || !tree_.nodeHasChildren(node)) return;
-    const float quarter = 0.25F * static_cast<float>(1 << (kTreeDepth - depth));
-    for (unsigned child = 0; child < 8; ++child) {
-      if (!tree_.nodeChildExists(node, child)) continue;
-      Node* below = tree_.getNodeChild(node, child);
-      const Eigen::Vector3f towards = 2.0F * Octant(child).cast<float>() - Eigen::Vector3f::Ones();
-      CheckLeaves(below, depth + 1, centre + R_left_leaves_ * (quarter * towards), cell);
-      if (below->getValue() == kNothing && (depth + 1 == kTreeDepth || !tree_.nodeHasChildren(below)))
-        tree_.deleteNodeChild(node, child);
-    }
-    tree_.ReleaseEmptyChildren(node);
+  /// @param corner  lowest one of the cell
+  /// @param centre  of the cell, in the left frame
+  void CheckLeaves(Node* node, const Eigen::Vector3i& corner, const Eigen::Vector3f& centre, Cell* cell) {
+    const Eigen::Vector3f corner_left =
+        centre -
+        R_left_leaves_ * Eigen::Vector3f::Constant(0.5F * static_cast<float>(config_.leaves_per_cell));
+    const auto is_cleared = [&](int index) {
+      Evidence& leaf = leaves_.evidence(index);
+      const Eigen::Vector3i in_cell(leaf.corner[0], leaf.corner[1], leaf.corner[2]);
+      if (!CheckLeaf(in_cell, corner_left, &leaf, cell)) return false;
+      Remove(node, KeyAt(corner + in_cell), kTreeDepth - leaf.level);
+      leaves_.GiveBack(index);
+      return true;
+    };
+    std::erase_if(cell->leaves, is_cleared);
   }
 
-  void CheckLeaf(Node* node, unsigned depth, const Eigen::Vector3f& centre, Cell* cell) {
-    Leaf& leaf = leaves_[node->getValue()];
-    const float radius =
-        0.87F * static_cast<float>(1 << (kTreeDepth - depth)) * static_cast<float>(config_.leaf_size_m);
-    const View view = ViewOf(centre, radius);
+  /// True when the leaf has been seen through too often.
+  bool CheckLeaf(const Eigen::Vector3i& in_cell, const Eigen::Vector3f& corner_left, Evidence* leaf,
+                 Cell* cell) const {
+    const float half = 0.5F * static_cast<float>(1 << leaf->level);
+    const Eigen::Vector3f centre =
+        corner_left + R_left_leaves_ * (in_cell.cast<float>() + Eigen::Vector3f::Constant(half));
+    const View view = ViewOf(centre, 1.74F * half * static_cast<float>(config_.leaf_size_m));
     if (view != View::kNone) {
-      leaf.num_views += 1.0F;
-      if (leaf.hit_frame == frame_id_) leaf.num_hits += 1.0F;
-      if (leaf.num_views > static_cast<float>(config_.memory_frames)) {
-        leaf.num_views *= 0.5F;
-        leaf.num_hits *= 0.5F;
+      leaf->num_views += 1.0F;
+      if (leaf->hit_frame == frame_id_) leaf->num_hits += 1.0F;
+      if (leaf->num_views > static_cast<float>(config_.memory_frames)) {
+        leaf->num_views *= 0.5F;
+        leaf->num_hits *= 0.5F;
       }
     }
-    const bool was_occupied = leaf.occupied;
-    const bool cleared = view == View::kThrough && --leaf.credit < 0;
-    leaf.occupied = !cleared && IsOccupied(leaf);
-    if (leaf.occupied != was_occupied) ++cell->num_changed_leaves;
-    if (!cleared) return;
-    leaves_.GiveBack(node->getValue());
-    node->setValue(kNothing);
+    const bool was_occupied = leaf->occupied;
+    const bool cleared = view == View::kThrough && --leaf->credit < 0;
+    leaf->occupied = !cleared && IsOccupied(*leaf);
+    if (leaf->occupied != was_occupied) ++cell->num_changed_leaves;
+    return cleared;
+  }
+
+  /// Takes a leaf out of the tree, and the nodes above it that hold nothing any more, up to the cell's.
+  void Remove(Node* cell_node, const octomap::OcTreeKey& key, unsigned depth) {
+    std::array<Node*, kTreeDepth + 1> path{};
+    path[cell_depth_] = cell_node;
+    for (unsigned d = cell_depth_; d < depth; ++d)
+      path[d + 1] = tree_.getNodeChild(path[d], static_cast<unsigned>(ChildIndex(key, d + 1)));
+    path[depth]->setValue(kNothing);
+    for (unsigned d = depth; d > cell_depth_; --d) {
+      if (path[d]->getValue() != kNothing || path[d]->HasArrayOfChildren()) return;
+      tree_.deleteNodeChild(path[d - 1], static_cast<unsigned>(ChildIndex(key, d)));
+      tree_.ReleaseEmptyChildren(path[d - 1]);
+    }
   }
 
   static Eigen::Vector3i Octant(unsigned child) {
@@ -628,34 +699,18 @@ class TerrainOctree::Impl {
                         cell_depth_);
   }
 
-  bool IsOccupied(const Leaf& leaf) const {
-    return leaf.moments.num_points >= static_cast<float>(config_.min_points) &&
-           leaf.num_frames >= static_cast<float>(config_.min_frames) &&
-           leaf.num_hits >= static_cast<float>(config_.min_hit_share) * leaf.num_views;
+  bool IsOccupied(const Evidence& leaf) const {
+    return leaf.enough_points && leaf.num_hits >= static_cast<float>(config_.min_hit_share) * leaf.num_views;
   }
 
-  /// @param corner  lowest corner in finest leaves, relative to the centre of the cell
-  void CollectFrom(const Node* node, unsigned depth, const Eigen::Vector3i& corner,
-                   std::vector<Surfel>* surfels) const {
-    const int size = 1 << (kTreeDepth - depth);
-    if (depth > cell_depth_ && node->getValue() != kNothing) {
-      const Leaf& leaf = leaves_[node->getValue()];
-      if (leaf.occupied) surfels->push_back(SurfelOf(leaf, corner, size));
-    }
-    if (depth == kTreeDepth || !tree_.nodeHasChildren(node)) return;
-    for (unsigned child = 0; child < 8; ++child) {
-      if (!tree_.nodeChildExists(node, child)) continue;
-      const Eigen::Vector3i child_corner =
-          corner + size / 2 * Eigen::Vector3i(child & 1U, (child >> 1U) & 1U, (child >> 2U) & 1U);
-      CollectFrom(tree_.getNodeChild(node, child), depth + 1, child_corner, surfels);
-    }
-  }
-
-  Surfel SurfelOf(const Leaf& leaf, const Eigen::Vector3i& corner, int size) const {
+  Surfel SurfelOf(const Leaf& leaf, const Evidence& evidence) const {
     const PointMoments& m = leaf.moments;
     const float leaf_m = static_cast<float>(config_.leaf_size_m);
+    const auto size = static_cast<float>(1 << evidence.level);
+    const Eigen::Vector3f in_cell(evidence.corner[0], evidence.corner[1], evidence.corner[2]);
     const Eigen::Vector3f centre =
-        leaf_m * (corner.cast<float>() + Eigen::Vector3f::Constant(0.5F * static_cast<float>(size)));
+        leaf_m *
+        (in_cell + Eigen::Vector3f::Constant(0.5F * (size - static_cast<float>(config_.leaves_per_cell))));
     const Eigen::Vector3f mean = Eigen::Vector3f(m.sum[0], m.sum[1], m.sum[2]) / m.weight;
     Surfel surfel;
     surfel.mean = centre + mean;
@@ -669,7 +724,7 @@ class TerrainOctree::Impl {
     surfel.sigma_view_m = std::sqrt(m.num_points / m.weight);
     surfel.num_points = m.num_points;
     surfel.num_frames = leaf.num_frames;
-    surfel.size_m = static_cast<float>(size) * leaf_m;
+    surfel.size_m = size * leaf_m;
     surfel.spacing_m = leaf.spacing_m;
     return surfel;
   }
@@ -686,7 +741,7 @@ class TerrainOctree::Impl {
   const unsigned cell_depth_;
   const int max_level_;
   Tree tree_;
-  Pool<Leaf> leaves_;
+  LeafPool leaves_;
   Pool<Cell> cells_;
   FrameLeaves frame_leaves_;
   std::vector<CellKey> touched_;  // by the frame at hand, each once
