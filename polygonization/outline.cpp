@@ -2,9 +2,9 @@
 #include "polygonization/outline.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -22,8 +22,19 @@ cv::Mat Disk(int radius) {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius + 1, 2 * radius + 1));
 }
 
+/// True when no pixel among eight touches one of the next row at a corner only.
+bool NoDiagonals(const std::uint8_t* row, const std::uint8_t* next) {
+  const auto load = [](const std::uint8_t* from) {
+    std::uint64_t eight;
+    std::memcpy(&eight, from, sizeof eight);
+    return eight;
+  };
+  const std::uint64_t here = load(row), below = load(next);
+  return ((here ^ load(row + 1)) & (below ^ load(next + 1)) & (here ^ below)) == 0;
+}
+
 /// Two pixels of one piece that touch at a corner only would make a ring touch itself: fills one of the
-/// others.
+/// others. Pixels are 0 or 255.
 void FillDiagonals(cv::Mat1b* image) {
   for (bool again = true; again;) {
     again = false;
@@ -31,6 +42,10 @@ void FillDiagonals(cv::Mat1b* image) {
       std::uint8_t* row = image->ptr(y);
       std::uint8_t* next = image->ptr(y + 1);
       for (int x = 0; x + 1 < image->cols; ++x) {
+        if (x + 8 < image->cols && NoDiagonals(row + x, next + x)) {
+          x += 7;
+          continue;
+        }
         if (row[x] != next[x + 1] || row[x + 1] != next[x] || row[x] == row[x + 1]) continue;
         (row[x] ? row[x + 1] : row[x]) = 255;
         again = true;
@@ -38,70 +53,6 @@ void FillDiagonals(cv::Mat1b* image) {
     }
   }
 }
-
-/// The edges between a label's pixels and the others, as closed rings along pixel corners with the label on
-/// the left (y grows upwards): counter-clockwise outside, clockwise around holes.
-class CrackTracer {
- public:
-  CrackTracer(const cv::Mat1i& labels, int label, const cv::Rect& box)
-      : labels_(labels), label_(label), box_(box), width_(box.width + 1) {}
-
-  std::vector<std::vector<cv::Point>> Trace() {
-    out_.assign(static_cast<std::size_t>(width_) * (box_.height + 1), 0);
-    for (int y = box_.y; y < box_.y + box_.height; ++y) {
-      for (int x = box_.x; x < box_.x + box_.width; ++x) {
-        if (!Inside(x, y)) continue;
-        if (!Inside(x, y - 1)) Out(x, y) |= 1U << kEast;
-        if (!Inside(x + 1, y)) Out(x + 1, y) |= 1U << kNorth;
-        if (!Inside(x, y + 1)) Out(x + 1, y + 1) |= 1U << kWest;
-        if (!Inside(x - 1, y)) Out(x, y + 1) |= 1U << kSouth;
-      }
-    }
-    std::vector<std::vector<cv::Point>> rings;
-    for (int y = box_.y; y <= box_.y + box_.height; ++y)
-      for (int x = box_.x; x <= box_.x + box_.width; ++x)
-        while (Out(x, y) != 0) rings.push_back(Follow(x, y));
-    return rings;
-  }
-
- private:
-  enum Direction { kEast, kNorth, kWest, kSouth };
-
-  bool Inside(int x, int y) const {
-    return x >= 0 && y >= 0 && x < labels_.cols && y < labels_.rows && labels_(y, x) == label_;
-  }
-  std::uint8_t& Out(int x, int y) {
-    return out_[static_cast<std::size_t>(y - box_.y) * width_ + (x - box_.x)];
-  }
-  /// Corners only, where the direction changes.
-  std::vector<cv::Point> Follow(int x, int y) {
-    static constexpr std::array<int, 4> kDx{1, 0, -1, 0};
-    static constexpr std::array<int, 4> kDy{0, 1, 0, -1};
-    std::vector<cv::Point> ring;
-    int last = -1;
-    while (Out(x, y) != 0) {
-      int direction = 0;
-      while ((Out(x, y) >> direction & 1U) == 0) ++direction;
-      Out(x, y) = static_cast<std::uint8_t>(Out(x, y) & ~(1U << direction));
-      if (direction != last) ring.emplace_back(x, y);
-      last = direction;
-      x += kDx[direction];
-      y += kDy[direction];
-    }
-    // The walk may have begun in the middle of a straight edge.
-    if (ring.size() > 2) {
-      const cv::Point a = ring.back(), b = ring.front(), c = ring[1];
-      if ((a.x == b.x && b.x == c.x) || (a.y == b.y && b.y == c.y)) ring.erase(ring.begin());
-    }
-    return ring;
-  }
-
-  const cv::Mat1i& labels_;
-  const int label_;
-  const cv::Rect box_;
-  const int width_;
-  std::vector<std::uint8_t> out_;
-};
 
 double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d d = b - a;
@@ -402,19 +353,16 @@ std::vector<PlanarShape> OutlineTracer::Trace() {
     closed &= opened;
   }
   FillDiagonals(&closed);
-  cv::Mat1i pieces;
-  cv::Mat1i stats;
-  cv::Mat1d centroids;
-  const int num = cv::connectedComponentsWithStats(closed, pieces, stats, centroids, 4, CV_32S);
-  labels_ = cv::Mat1i::zeros(pieces.size());
+  pieces_ = BitmapPieces(closed);
+  shape_of_piece_.assign(pieces_.pieces().size(), -1);
+  const std::vector<int> num_filled = pieces_.CountSet(filled_);
   std::vector<PlanarShape> shapes;
   const double pixel_area = pixel_m_ * pixel_m_;
-  for (int label = 1; label < num; ++label) {
-    if (stats(label, cv::CC_STAT_AREA) * pixel_area < settings_.min_area_m2) continue;
-    const cv::Rect box(stats(label, cv::CC_STAT_LEFT), stats(label, cv::CC_STAT_TOP),
-                       stats(label, cv::CC_STAT_WIDTH), stats(label, cv::CC_STAT_HEIGHT));
+  for (std::size_t i = 0; i < pieces_.pieces().size(); ++i) {
+    const BitmapPieces::Piece& piece = pieces_.pieces()[i];
+    if (piece.num_pixels * pixel_area < settings_.min_area_m2) continue;
     std::vector<Ring2> traced;
-    for (const std::vector<cv::Point>& corners : CrackTracer(pieces, label, box).Trace()) {
+    for (const std::vector<cv::Point>& corners : pieces_.TraceRings(static_cast<int>(i))) {
       Ring2 ring;
       for (const cv::Point& corner : corners)
         ring.push_back(low_ + pixel_m_ * Eigen::Vector2d(corner.x, corner.y));
@@ -438,27 +386,19 @@ std::vector<PlanarShape> OutlineTracer::Trace() {
       else
         shape.holes.push_back(std::move(ring));
     }
-    shape.centroid = low_ + pixel_m_ * Eigen::Vector2d(centroids(label, 0) + 0.5, centroids(label, 1) + 0.5);
+    shape.centroid = low_ + pixel_m_ * (piece.centroid + Eigen::Vector2d::Constant(0.5));
+    shape.support = std::min(1.0, double(num_filled[i]) / piece.num_pixels);
+    shape_of_piece_[i] = static_cast<int>(shapes.size());
     shapes.push_back(std::move(shape));
-    const int index = static_cast<int>(shapes.size());
-    int num_filled = 0;
-    for (int y = box.y; y < box.y + box.height; ++y) {
-      for (int x = box.x; x < box.x + box.width; ++x) {
-        if (pieces(y, x) != label) continue;
-        labels_(y, x) = index;
-        if (filled_(y, x) != 0) ++num_filled;
-      }
-    }
-    shapes.back().support = std::min(1.0, double(num_filled) / stats(label, cv::CC_STAT_AREA));
   }
   return shapes;
 }
 
 int OutlineTracer::ShapeAt(const Eigen::Vector2d& p) const {
   const Eigen::Vector2d at = (p - low_) / pixel_m_;
-  const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
-  if (x < 0 || y < 0 || x >= labels_.cols || y >= labels_.rows) return -1;
-  return labels_(y, x) - 1;
+  const int piece =
+      pieces_.PieceAt(static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y())));
+  return piece < 0 ? -1 : shape_of_piece_[piece];
 }
 
 }  // namespace terrace

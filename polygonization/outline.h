@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "polygonization/bitmap_pieces.h"
+
 namespace terrace {
 
 using Ring2 = std::vector<Eigen::Vector2d>;
@@ -48,7 +50,8 @@ class OutlineTracer {
   Eigen::Vector2d low_;  // outer corner of pixel (0, 0)
   double pixel_m_;
   cv::Mat1b filled_;
-  cv::Mat1i labels_;  // shape + 1
+  BitmapPieces pieces_;              // after Trace
+  std::vector<int> shape_of_piece_;  // -1: too small to be one
 };
 
 /// Area with sign: positive when counter-clockwise.
