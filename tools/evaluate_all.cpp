@@ -2,6 +2,7 @@
 #include "tools/evaluate_all.h"
 
 #include <cctype>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -12,6 +13,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -80,10 +82,27 @@ std::optional<fs::path> Find(const EvaluationJob& job, const fs::path& base) {
   return std::nullopt;
 }
 
-/// Renders the scene unless an earlier run did. The folder gets its name when it is complete.
+/// Keeps other processes out while it lives.
+class FileLock {
+ public:
+  explicit FileLock(const fs::path& path) : file_(open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {
+    if (file_ < 0 || flock(file_, LOCK_EX) != 0)
+      throw FileError(path.string() + ": cannot be locked: " + std::strerror(errno));
+  }
+  ~FileLock() { close(file_); }
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+
+ private:
+  int file_;
+};
+
+/// Renders the scene unless an earlier run or another job did. The folder gets its name when it is complete.
 fs::path Render(const EvaluationJob& job, const fs::path& output) {
   const std::string description = job.sequence.substr(std::strlen(kScenePrefix));
   const fs::path folder = output / "sequences" / description;
+  fs::create_directories(folder.parent_path());
+  const FileLock lock(folder.string() + ".lock");
   if (fs::exists(folder)) return folder;
   std::istringstream parts(description);
   std::string scene, option;
@@ -96,7 +115,6 @@ fs::path Render(const EvaluationJob& job, const fs::path& output) {
     command.push_back("--" + option.substr(0, equals));
     command.push_back(option.substr(equals + 1));
   }
-  fs::create_directories(folder.parent_path());
   RunOrThrow(command);
   fs::rename(partial, folder);
   return folder;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate_all.h"
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -53,6 +54,20 @@ TEST(EvaluateAllTest, FailsOnWhatGotWorseAndOnWhatIsNotHereUnlessTold) {
   measure(0.8);
   arguments.skip_missing = false;
   EXPECT_FALSE(EvaluateAll(arguments));
+  fs::remove_all(folder);
+}
+
+TEST(EvaluateAllTest, RendersASceneOnceThatTwoJobsNeedAtTheSameTime) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "terrace_evaluate_all_twice";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  std::ofstream(folder / "two.list") << "one scene:flat,frames=2\ntwo scene:flat,frames=2 --threads 1\n";
+  const std::string command = std::string(TERRACE_PROGRAM) + " evaluate --all " +
+                              (folder / "two.list").string() + " --output " + (folder / "out").string() +
+                              " --jobs 2 > " + (folder / "said").string() + " 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0) << ReadTextFile(folder / "said");
+  EXPECT_TRUE(fs::exists(folder / "out" / "one" / "evaluation.json"));
+  EXPECT_TRUE(fs::exists(folder / "out" / "two" / "evaluation.json"));
   fs::remove_all(folder);
 }
 
