@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/time.h"
 #include "evaluation/disparity_truth.h"
 
 namespace terrace {
@@ -91,11 +93,19 @@ struct PlaneFigures {
   double angle_deg = 0.0;
 };
 
+/// One image of many, to be looked at.
+struct DisparityExample {
+  Timestamp t_capture;
+  double bad1_all_pct = 0.0;
+  GrayImage picture;  ///< PictureOfErrors()
+};
+
 struct DisparityEvaluation {
   int num_images = 0;
   DisparityErrors errors;
   std::vector<PlaneFit> planes;
   std::vector<EdgeFit> edges;
+  std::optional<DisparityExample> best, worst;  ///< by bad1_all_pct
 
   double edge_median_px() const;
   /// Of the planes with one of these labels not farther than `max_depth_m`; no label means every one.

@@ -7,6 +7,7 @@
 
 #include "datasets/file_bytes.h"
 #include "datasets/ground_truth.h"
+#include "evaluation/disparity_picture.h"
 
 namespace terrace {
 namespace {
@@ -45,6 +46,17 @@ std::optional<LatencyGrowth> GrowthOf(const std::vector<ResultFrame>& frames) {
                        Slope(regions, latencies_ms)};
 }
 
+void KeepExample(Timestamp t_capture, const FloatImage& disparity_px, const DisparityTruth& truth,
+                 DisparityEvaluation* evaluation) {
+  DisparityErrors errors;
+  errors.Add(disparity_px, truth);
+  const double bad_pct = errors.bad_all_pct(1.0);
+  if (!evaluation->best || bad_pct < evaluation->best->bad1_all_pct)
+    evaluation->best = {t_capture, bad_pct, PictureOfErrors(disparity_px, truth)};
+  if (!evaluation->worst || bad_pct > evaluation->worst->bad1_all_pct)
+    evaluation->worst = {t_capture, bad_pct, PictureOfErrors(disparity_px, truth)};
+}
+
 /// Disparity images of the result that have a true depth image and a true pose of the same moment.
 std::optional<DisparityEvaluation> EvaluateDisparities(const ReplayResult& result, const fs::path& sequence,
                                                        const TrueScene& scene,
@@ -72,6 +84,7 @@ std::optional<DisparityEvaluation> EvaluateDisparities(const ReplayResult& resul
     const FloatImage disparity_px = ReadDisparityFile(path);
     evaluation.errors.Add(disparity_px, truth.disparity);
     ++evaluation.num_images;
+    KeepExample(t, disparity_px, truth.disparity, &evaluation);
     const std::vector<PlaneFit> planes = FitPlanes(disparity_px, truth, scene, camera, T_world_left);
     evaluation.planes.insert(evaluation.planes.end(), planes.begin(), planes.end());
     const std::vector<EdgeFit> edges = FitEdges(disparity_px, truth, scene, camera, T_world_left);

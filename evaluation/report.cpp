@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "core/time.h"
+#include "evaluation/disparity_picture.h"
 #include "evaluation/planar_shape.h"
 #include "evaluation/svg_plot.h"
 
@@ -31,6 +32,7 @@ svg text { font: 12px system-ui, sans-serif; fill: #3b4250; } svg text.title { f
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: 6px 0 14px; }
 th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid #e4e7ec; } th { font-weight: 600; }
 th:first-child, td:first-child, td.text, th.text { text-align: left; }
+figure { margin: 10px 0; } figcaption { color: #5c6370; margin-bottom: 4px; } img { width: 100%; height: auto; }
 .scroll { overflow-x: auto; max-height: 520px; overflow-y: auto; }
 .swatch { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin: 0 4px 0 12px; vertical-align: -1px; }
 )";
@@ -328,6 +330,18 @@ void AddDisparity(const DisparityEvaluation& disparity, std::string* html) {
       "<p>%d planes: offset %.3f px, %.2f mm, angle %.2f deg (medians). Edges: %.2f px median of %zu.</p>\n",
       planes.count, planes.offset_px, planes.offset_mm, planes.angle_deg, disparity.edge_median_px(),
       disparity.edges.size());
+  const auto show = [&](const char* which, const std::optional<DisparityExample>& example) {
+    if (!example) return;
+    Print(html,
+          "<figure><figcaption>The %s image, %lld: bad-1 %.2f %% of all. Disparity, and error: grey up to 2 "
+          "px, "
+          "white beyond or missing.</figcaption>\n",
+          which, static_cast<long long>(example->t_capture.ns), example->bad1_all_pct);
+    *html += EmbeddedImage(example->picture, std::string("disparity and error of the ") + which + " image") +
+             "</figure>\n";
+  };
+  show("best", disparity.best);
+  show("worst", disparity.worst);
 }
 
 void AddTime(const Evaluation& evaluation, std::string* html) {
