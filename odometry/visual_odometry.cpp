@@ -80,7 +80,7 @@ class VisualOdometry::Impl {
     FollowAttitude(samples, pose);
     UpdateVertical(matches, solution);
     CountFailures(*found);
-    if (NeedsKeyframe(matches, solution) && !WaitForSharperImage(left)) {
+    if (NeedsKeyframe(matches, solution) && SeesWithBoth(matches, solution) && !WaitForSharperImage(left)) {
       AddKeyframe(frame, left, right, pose.T_world_left, matches, solution);
       RefineWindow(&pose);
     }
@@ -405,6 +405,15 @@ class VisualOdometry::Impl {
     constexpr double kPeriod_s = 1.0;
     return motion_.imu_in_use() && keyframes_at_rest_ < config_.window_keyframes - 2 &&
            Seconds(last_->t_capture - newest.t_capture) > kPeriod_s;
+  }
+
+  /// Without the right image a keyframe would make no landmarks, and drive out an old one that has some.
+  static bool SeesWithBoth(const std::vector<Match>& matches, const PoseSolution& solution) {
+    constexpr double kMinShare = 0.2;
+    int with_disparity = 0;
+    for (std::size_t i = 0; i < matches.size(); ++i)
+      with_disparity += solution.inlier[i] && matches[i].measurement.has_disparity;
+    return with_disparity >= kMinShare * solution.num_inliers;
   }
 
   /// A blurred keyframe would blur all that is found with its texture: better a later one, unless that goes

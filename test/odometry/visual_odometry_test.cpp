@@ -362,6 +362,22 @@ TEST(VisualOdometryTest, FindsTheWayAfterAGapInWhichTheCameraWalkedOn) {
   EXPECT_LT(ErrorMm(first, pose, 25), 4.0);
 }
 
+TEST(VisualOdometryTest, WalksOnWithItsOldLandmarksWhileTheRightImageIsLost) {
+  OdometryConfig config;
+  config.window_keyframes = 3;  // so that new ones would soon drive out the old
+  config.keyframe_parallax = 0.01;
+  VisualOdometry odometry(config, kCamera, {});
+  PoseEstimate first;
+  for (int i = 0; i < 40; ++i) {
+    StereoFrame frame = World().Frame(i, Walk(i));
+    if (i >= 16 && i < 32) frame.right.setTo(3);
+    const PoseEstimate pose = odometry.Track(frame, {});
+    if (i == 0) first = pose;
+    EXPECT_EQ(pose.status, TrackingStatus::kTracking) << "frame " << i;
+    EXPECT_LT(ErrorMm(first, pose, i), 4.0) << "frame " << i;
+  }
+}
+
 TEST(VisualOdometryTest, StandsStillUnderNoiseAndChangingExposure) {
   VisualOdometry odometry({}, kCamera, {});
   std::mt19937 random(2);
