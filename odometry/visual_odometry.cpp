@@ -409,7 +409,7 @@ class VisualOdometry::Impl {
 
   /// Without the right image a keyframe would make no landmarks, and drive out an old one that has some.
   static bool SeesWithBoth(const std::vector<Match>& matches, const PoseSolution& solution) {
-    constexpr double kMinShare = 0.2;
+    constexpr double kMinShare = 0.02;
     int with_disparity = 0;
     for (std::size_t i = 0; i < matches.size(); ++i)
       with_disparity += solution.inlier[i] && matches[i].measurement.has_disparity;
