@@ -122,7 +122,7 @@ LabelRules::Face LabelRules::MeasureFace(int i) const {
   const int n = static_cast<int>(face.columns.size());
   const int stride = std::max(1, (n + kMaxSamples - 1) / kMaxSamples);
   std::vector<double> heights;
-  int tops = 0, samples = 0;
+  int tops = 0, high_samples = 0, samples = 0;
   Face measured;
   for (int c = stride / 2; c < n; c += stride) {
     const FaceColumn& column = face.columns[c];
@@ -132,6 +132,9 @@ LabelRules::Face LabelRules::MeasureFace(int i) const {
     measured.ground_known |= ground.has_value();
     heights.push_back(column.top_m - ground.value_or(column.bottom_m));
     ++samples;
+    // What is as high as a riser in the same plane, and bears a tread, is no top of the wall beside it.
+    if (!face.ReachesUpperHalf(column)) continue;
+    ++high_samples;
     const Eigen::Vector2d behind =
         face.FacePoint(column.along_m, column.top_m).head<2>() - kTopTolerance * face.front();
     for (const int j : index_.Near(behind)) {
@@ -158,7 +161,7 @@ LabelRules::Face LabelRules::MeasureFace(int i) const {
   const auto high = heights.end() - num_high;
   std::nth_element(heights.begin(), high, heights.end());
   measured.height_m = *high;
-  measured.has_top = 2 * tops >= samples;
+  measured.has_top = high_samples > 0 && 2 * tops >= high_samples;
   return measured;
 }
 

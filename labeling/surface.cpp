@@ -52,6 +52,14 @@ std::vector<FaceColumn> ColumnsOf(const Ring& ring_world, const Eigen::Matrix3d&
   return columns;
 }
 
+double HighTop(const std::vector<FaceColumn>& columns) {
+  std::vector<double> tops;
+  for (const FaceColumn& column : columns) tops.push_back(column.top_m);
+  const auto high = tops.end() - static_cast<std::ptrdiff_t>((tops.size() + 4) / 5);
+  std::nth_element(tops.begin(), high, tops.end());
+  return *high;
+}
+
 Interval MiddleHeights(const std::vector<FaceColumn>& columns) {
   std::vector<double> bottoms, tops;
   for (const FaceColumn& column : columns) {
@@ -118,6 +126,7 @@ SurfacePtr MakeSurface(const PolygonPtr& polygon, const Eigen::Matrix3d& R_level
     surface->face_axis = Eigen::Vector2d(-surface->plane.normal.y(), surface->plane.normal.x()).normalized();
     surface->columns = ColumnsOf(polygon->outline_world, R_level_world, surface->face_axis);
     surface->face_heights = surface->columns.empty() ? surface->heights() : MiddleHeights(surface->columns);
+    surface->high_top_m = surface->columns.empty() ? surface->heights().high : HighTop(surface->columns);
   }
   if (surface->lean == Lean::kSupport) {
     for (const Ring& hole : polygon->holes_world)

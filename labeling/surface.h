@@ -52,8 +52,14 @@ struct Surface {
 
   /// From the middle foot to the middle top of the columns: not moved by a spike of the outline.
   Interval face_heights;
+  /// So high reach a fifth of the columns: of a riser and the walls beside it in one plane, the walls.
+  double high_top_m = 0.0;
 
   PolygonId id() const { return polygon->id; }
+  /// Tells the wall from the riser where both are one upright face.
+  bool ReachesUpperHalf(const FaceColumn& column) const {
+    return column.top_m >= 0.5 * (bounds.min().z() + high_top_m);
+  }
   Interval heights() const { return {bounds.min().z(), bounds.max().z()}; }
   /// Height of a support's plane above a point of the plan.
   double HeightAt(const Eigen::Vector2d& p) const {

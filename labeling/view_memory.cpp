@@ -21,6 +21,7 @@ void ViewMemory::JudgeTop(const Surface& face, const Eigen::Isometry3d& T_left_l
   int seen = 0, cut = 0;
   for (int c = stride / 2; c < n; c += stride) {
     const FaceColumn& column = face.columns[c];
+    if (!face.ReachesUpperHalf(column)) continue;
     const Eigen::Vector3d p = T_left_level * face.FacePoint(column.along_m, column.top_m + kAbove);
     if (p.z() < kMinDepth || p.z() > max_depth_m_) continue;
     const Eigen::Vector2d pixel = camera_.Project(p);

@@ -298,6 +298,22 @@ TEST(TerrainLabelerTest, KnowsAWallThatLeavesTheViewFromABoxThatEndsInIt) {
   EXPECT_EQ(WrongLabels(scene, *LabelOften(labeler, scene.Update(), StandingAt(-0.2, 0))), "");
 }
 
+TEST(TerrainLabelerTest, KnowsTheWallsBesideAStepThatLiesInTheirPlane) {
+  // One face: left and right a wall that leaves the view, between them what a platform stands on.
+  LabelScene scene;
+  scene.AddLevel(kWalkway, {0.6, 0, 0}, 2, 2);
+  scene.AddLevel(kWalkway, {2.4, 0, 0.17}, 1.6, 0.7);
+  KnownPiece face;
+  for (const auto& [y, z] :
+       {std::pair(1.0, 0.0), std::pair(-1.0, 0.0), std::pair(-1.0, 0.62), std::pair(-0.35, 0.62),
+        std::pair(-0.35, 0.17), std::pair(0.35, 0.17), std::pair(0.35, 0.62), std::pair(1.0, 0.62)})
+    face.outline.emplace_back(1.6, y, z);
+  face.label = kWall;
+  scene.Add(face);
+  TerrainLabeler labeler = MakeLabeler();
+  EXPECT_EQ(WrongLabels(scene, *LabelOften(labeler, scene.Update(), StandingAt(0.4, 0))), "");
+}
+
 TEST(TerrainLabelerTest, CallsWhatCannotBeReachedLevelAndWhatFacesDownUnknown) {
   LabelScene scene = Corridor();
   scene.AddLevel(kLevel, {4, 0.8, 1.4}, 1.0, 0.4);  // a shelf
