@@ -13,7 +13,13 @@ void ViewMemory::JudgeTop(const Surface& face, const Eigen::Isometry3d& T_left_l
   constexpr double kMinDepth = 0.3;
   constexpr int kMaxSamples = 8;
   constexpr double kGrown = 0.05;
-  if (face.heights().high > memory.top_m + kGrown) memory = {memory.nearest_m, face.heights().high, 0, 0};
+  constexpr int kLongSeen = 5;  // frames
+  if (face.heights().high > memory.top_m + kGrown) {
+    // What was seen was no top. What was cut off went on, and may go on: its top must be seen for some time.
+    memory.top_m = face.heights().high;
+    memory.num_seen = 0;
+    memory.num_cut = std::min(memory.num_cut, kLongSeen);
+  }
   const Eigen::Vector3d eye = T_left_level.inverse().translation();
   if (face.plane.SignedDistance(eye) <= 0.0) return;
   const int n = static_cast<int>(face.columns.size());
@@ -30,7 +36,7 @@ void ViewMemory::JudgeTop(const Surface& face, const Eigen::Isometry3d& T_left_l
     ++(pixel.y() < kBorder_px ? cut : seen);
   }
   if (seen + cut == 0) return;
-  ++(seen >= cut ? memory.num_seen : memory.num_cut);
+  ++(seen > cut ? memory.num_seen : memory.num_cut);
 }
 
 void ViewMemory::Look(const std::vector<SurfacePtr>& surfaces, const Eigen::Isometry3d& T_level_left,

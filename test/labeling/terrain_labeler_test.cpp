@@ -298,6 +298,22 @@ TEST(TerrainLabelerTest, KnowsAWallThatLeavesTheViewFromABoxThatEndsInIt) {
   EXPECT_EQ(WrongLabels(scene, *LabelOften(labeler, scene.Update(), StandingAt(-0.2, 0))), "");
 }
 
+TEST(TerrainLabelerTest, TakesAWallThatGrewForOneUntilItsTopIsSeenForSomeTime) {
+  const auto scene_with = [](double height_m) {
+    LabelScene scene;
+    scene.AddLevel(kWalkway, {2, 0, 0}, 4, 2);
+    scene.AddFace(kWall, {2, 0.4, 0}, {2, -0.4, 0}, height_m);
+    return scene;
+  };
+  TerrainLabeler labeler = MakeLabeler();
+  const LabelScene low = scene_with(0.62), high = scene_with(0.75);
+  const auto label_of_face = [](const TerrainMapPtr& map) { return map->regions[1]->label; };
+  // The image ends at its top, then, from farther away, above it.
+  EXPECT_EQ(label_of_face(LabelOften(labeler, low.Update(), StandingAt(0.8, 0), 10)), kWall);
+  EXPECT_EQ(label_of_face(LabelOften(labeler, high.Update(), StandingAt(-1.2, 0), 4)), kWall);
+  EXPECT_EQ(label_of_face(LabelOften(labeler, high.Update(), StandingAt(-1.2, 0), 30)), kObstacle);
+}
+
 TEST(TerrainLabelerTest, KnowsTheWallsBesideAStepThatLiesInTheirPlane) {
   // One face: left and right a wall that leaves the view, between them what a platform stands on.
   LabelScene scene;
