@@ -472,10 +472,10 @@ class TerrainOctree::Impl {
                              leaf.num_frames >= static_cast<float>(config_.min_frames);
     // Coarse leaves, seen from afar, give way to a finer one that is well known.
     if (leaf.num_frames < kFramesToReplace) return;
-    for (std::size_t j = 0; j < num_coarse; ++j) {
-      std::erase(cell.leaves, coarse[j]->getValue());
-      leaves_.GiveBack(coarse[j]->getValue());
-      coarse[j]->setValue(kNothing);
+    for (std::size_t i = 0; i < num_coarse; ++i) {
+      std::erase(cell.leaves, coarse[i]->getValue());
+      leaves_.GiveBack(coarse[i]->getValue());
+      coarse[i]->setValue(kNothing);
       ++cell.num_changed_leaves;
     }
   }
