@@ -44,6 +44,8 @@ function(terrace_test name)
   endif()
   add_executable(terrace_${name}_test ${ARG_SOURCES})
   target_link_libraries(terrace_${name}_test PRIVATE terrace::options ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+  # What is tested is built as it runs on the robot; the tests' own code need not be, and compiles a quarter faster.
+  target_compile_options(terrace_${name}_test PRIVATE $<$<CONFIG:Release>:-O1>)
   gtest_discover_tests(terrace_${name}_test DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${name};${ARG_LABELS}")
 endfunction()
 
