@@ -2,6 +2,7 @@
 #include <array>
 
 #include "core/check.h"
+#include "core/landmark_sightings.h"
 #include "core/pose_estimate.h"
 #include "core/status.h"
 #include "core/terrain_map.h"
@@ -27,6 +28,10 @@ const char* Name(TrackingStatus status) {
 
 const char* Name(GravitySource source) {
   return NameIn(std::array<const char*, 5>{"imu", "attitude", "mounting", "plane", "assumed"}, source);
+}
+
+const char* Name(LandmarkFate fate) {
+  return NameIn(std::array<const char*, 3>{"agrees", "rejected", "created"}, fate);
 }
 
 const char* Name(DaemonState state) {

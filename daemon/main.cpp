@@ -78,6 +78,11 @@ int Run(int argc, char** argv) {
       ->add_option("--save-disparity", arguments.replay.save_disparity_every,
                    "Write the disparity of frames 0, N, 2N, ...")
       ->check(CLI::Range(1, 1'000'000));
+  replay
+      ->add_option("--save-tracks", arguments.replay.num_track_pictures,
+                   "Write the tracked landmarks of N frames spread over the run, with their images, for the "
+                   "report of terrace evaluate")
+      ->check(CLI::Range(1, 100));
 
   try {
     app.parse(argc, argv);

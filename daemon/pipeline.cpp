@@ -102,7 +102,7 @@ TrackedPose Pipeline::Track(const SensorFrame& sensors, const StereoFramePtr& fr
     const std::vector<std::string>& all = odometry_.warnings();
     std::vector<std::string> warnings(all.begin() + static_cast<std::ptrdiff_t>(num_warnings_), all.end());
     num_warnings_ = all.size();
-    return TrackedPose{pose, odometry_.gravity(), std::move(warnings)};
+    return TrackedPose{pose, odometry_.gravity(), odometry_.sightings(), frame, std::move(warnings)};
   });
 }
 
@@ -110,7 +110,9 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
                           const TrackedPose& tracked) {
   FrameResult result;
   result.pose = tracked.pose;
+  result.frame = tracked.frame;
   result.disparity = disparity;
+  result.sightings = tracked.sightings;
   result.warnings = tracked.warnings;
   const TerrainMapPtr before = labeler_->map();
   if (reset_requested_.exchange(false)) StartMap(before->map_id + 1);

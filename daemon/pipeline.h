@@ -11,6 +11,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/camera.h"
+#include "core/landmark_sightings.h"
 #include "core/pose_estimate.h"
 #include "core/sensor_frame.h"
 #include "core/terrain_map.h"
@@ -24,6 +25,7 @@
 #include "polygonization/polygon_merger.h"
 #include "stereo/disparity_matcher.h"
 #include "stereo/rectifier.h"
+#include "stereo/stereo_frame.h"
 
 namespace terrace {
 
@@ -31,6 +33,8 @@ namespace terrace {
 struct TrackedPose {
   PoseEstimate pose;
   Gravity gravity;
+  FrameSightings sightings;
+  StereoFramePtr frame;               ///< that was tracked in; null when the images could not be used
   std::vector<std::string> warnings;  ///< new with this frame, a sentence each
 };
 
@@ -42,7 +46,9 @@ struct FrameResult {
   std::vector<std::int64_t> removed;  ///< ids of regions that are gone, ascending
   std::int64_t map_cells = 0;         ///< occupied leaves
   std::int64_t map_bytes = 0;         ///< heap of octree and regions
-  std::shared_ptr<const DisparityImage> disparity;  ///< null when the images could not be used
+  StereoFramePtr frame;               ///< rectified; null when the images could not be used
+  std::shared_ptr<const DisparityImage> disparity;  ///< likewise
+  FrameSightings sightings;                         ///< landmarks of the odometry
   std::vector<std::string> warnings;                ///< for the user, new with this frame, a sentence each
 };
 

@@ -23,6 +23,7 @@
 #include "daemon/summary.h"
 #include "daemon/terrain_publisher.h"
 #include "daemon/threaded_pipeline.h"
+#include "daemon/track_writer.h"
 #include "datasets/sequence.h"
 
 namespace terrace {
@@ -88,6 +89,9 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   PrepareOutputFolder(options.output, options.overwrite);
   ResultWriter writer(options.output, {pipeline.camera(), pipeline.R_rect_raw(), pipeline.T_body_left()},
                       options.save_disparity_every);
+  std::optional<TrackWriter> tracks;
+  if (options.num_track_pictures > 0)
+    tracks.emplace(options.output, options.num_track_pictures, info.num_frames);
   RunSummary summary(info);
   std::optional<ReplayPublisher> publisher;
   if (!options.publish_url.empty()) publisher.emplace(options.publish_url, config, &pipeline);
@@ -102,6 +106,7 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
           options.realtime ? std::optional(handovers.LatencyMs(result.pose.t_capture)) : std::nullopt;
       if (publisher) publisher->Publish(result, latency_ms);
       writer.AddFrame(result, latency_ms);
+      if (tracks) tracks->AddFrame(result);
     });
     summary.AddFrame(result);
     progress.Update(writer.num_frames(), Name(result.pose.status));
@@ -134,6 +139,7 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   totals.gravity = pipeline.gravity();
   totals.stages = pipeline.meters().costs();
   writer.Finish(totals);
+  if (tracks) tracks->Finish();
   summary.Print(writer, totals, options.output);
 }
 

@@ -17,6 +17,8 @@ struct ReplayOptions {
   std::string publish_url;
   bool overwrite = false;
   int save_disparity_every = 0;
+  /// Pictures of tracked landmarks, spread over the run.
+  int num_track_pictures = 0;
   /// Threads that the whole daemon may use.
   int num_threads = 2;
 };

@@ -20,8 +20,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 6> kFiles = {"trajectory.tum",   "terrain_map.json", "frames.jsonl",
-                                               "staircases.jsonl", "camera.json",      "stats.json"};
+constexpr std::array<const char*, 7> kFiles = {"trajectory.tum",   "terrain_map.json", "frames.jsonl",
+                                               "staircases.jsonl", "camera.json",      "stats.json",
+                                               "tracks.jsonl"};
 
 /// Micrometres are enough for a vertex, and keep the file a third smaller.
 Json Point(const Eigen::Vector3d& p) {
@@ -118,7 +119,7 @@ void PrepareOutputFolder(const fs::path& dir, bool overwrite) {
   if (fs::exists(dir) && !fs::is_empty(dir, error)) {
     if (!overwrite) throw OutputError(dir.string() + ": must be empty or absent, or give --overwrite");
     for (const char* file : kFiles) fs::remove(dir / file, error);
-    fs::remove_all(dir / "disparity", error);
+    for (const char* images : {"disparity", "tracks"}) fs::remove_all(dir / images, error);
   }
   fs::create_directories(dir, error);
   if (error) throw OutputError(dir.string() + ": cannot be made: " + error.message());

@@ -41,13 +41,17 @@ GrayImage PictureOfErrors(const FloatImage& disparity_px, const DisparityTruth& 
   return picture;
 }
 
-std::string EmbeddedImage(const GrayImage& image, const std::string& description) {
+std::string JpegUri(const GrayImage& image) {
   constexpr int kQuality = 85;
   const std::vector<std::uint8_t> bytes = EncodeJpeg(image, kQuality);
   std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
   text.resize(static_cast<std::size_t>(EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
                                                        bytes.data(), static_cast<int>(bytes.size()))));
-  return "<img alt=\"" + EscapeMarkup(description) + "\" src=\"data:image/jpeg;base64," + text + "\">";
+  return "data:image/jpeg;base64," + text;
+}
+
+std::string EmbeddedImage(const GrayImage& image, const std::string& description) {
+  return "<img alt=\"" + EscapeMarkup(description) + "\" src=\"" + JpegUri(image) + "\">";
 }
 
 }  // namespace terrace

@@ -12,6 +12,8 @@ namespace terrace {
 /// cameras see has no value or is farther off, black where all is well or nothing is known.
 GrayImage PictureOfErrors(const FloatImage& disparity_px, const DisparityTruth& truth);
 
+/// An image as a URI that holds it whole.
+std::string JpegUri(const GrayImage& image);
 /// An image as an HTML element that needs no other file.
 std::string EmbeddedImage(const GrayImage& image, const std::string& description);
 

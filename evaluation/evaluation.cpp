@@ -108,6 +108,7 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
   evaluation.sequence = sequence;
   evaluation.stats = result.stats;
   evaluation.frames = result.frames;
+  evaluation.film = LoadFilm(result_folder);
   evaluation.result_map = result.map;
   evaluation.latency_growth = GrowthOf(result.frames);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "evaluation/disparity_evaluation.h"
+#include "evaluation/film_strip.h"
 #include "evaluation/map_evaluation.h"
 #include "evaluation/result_files.h"
 #include "evaluation/staircase_evaluation.h"
@@ -35,6 +36,7 @@ struct Evaluation {
   ReplayStats stats;
   std::optional<LatencyGrowth> latency_growth;
   std::vector<ResultFrame> frames;
+  std::vector<FilmPicture> film;  ///< empty without --save-tracks
   TerrainMap result_map;
   TrueScene scene;  ///< empty when the sequence has none
 };

@@ -7,6 +7,7 @@
 
 #include "core/time.h"
 #include "evaluation/disparity_picture.h"
+#include "evaluation/film_strip.h"
 #include "evaluation/planar_shape.h"
 #include "evaluation/svg_plot.h"
 
@@ -34,6 +35,8 @@ th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid #e4e7ec;
 th:first-child, td:first-child, td.text, th.text { text-align: left; }
 figure { margin: 10px 0; } figcaption { color: #5c6370; margin-bottom: 4px; } img { width: 100%; height: auto; }
 .scroll { overflow-x: auto; max-height: 520px; overflow-y: auto; }
+.film { display: grid; grid-template-columns: repeat(auto-fit, minmax(420px, 1fr)); gap: 14px; }
+.film figure { margin: 0; } .keyframe { fill: none; stroke: #0b6bcb; stroke-width: 4; }
 .swatch { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin: 0 4px 0 12px; vertical-align: -1px; }
 )";
 
@@ -344,6 +347,47 @@ void AddDisparity(const DisparityEvaluation& disparity, std::string* html) {
   show("worst", disparity.worst);
 }
 
+/// What was said about the pose of a frame, unless all was well.
+std::string TroubleAt(Timestamp t_capture, const std::vector<ResultFrame>& frames) {
+  for (const ResultFrame& frame : frames) {
+    if (frame.t_capture != t_capture) continue;
+    if (frame.status == TrackingStatus::kTracking && frame.reason.empty()) return "";
+    return std::string("; ") + Name(frame.status) + (frame.reason.empty() ? "" : ": ") +
+           EscapeMarkup(frame.reason);
+  }
+  return "";
+}
+
+void AddFilm(const Evaluation& evaluation, std::string* html) {
+  *html += "<h2>Tracked landmarks</h2>\n";
+  if (evaluation.film.empty()) {
+    *html +=
+        "<p>No film strip: <code>terraced replay ... --save-tracks 8</code> keeps what it is made of.</p>\n";
+    return;
+  }
+  const auto swatch = [html](const std::string& colour, const char* text) {
+    *html += "<span class=\"swatch\" style=\"background: " + colour + "\"></span>" + text;
+  };
+  *html += "<p>";
+  swatch(ColourOf(LandmarkFate::kAgrees), "found, agrees with the pose");
+  swatch(ColourOf(LandmarkFate::kRejected), "found, rejected");
+  swatch(ColourOf(LandmarkFate::kCreated), "new in this keyframe");
+  *html +=
+      "; lines: where they were in the frames before, dots on them: in keyframes; a blue frame: a "
+      "keyframe</p>\n<div class=\"film\">\n";
+  for (const FilmPicture& picture : evaluation.film) {
+    const double t_s =
+        evaluation.frames.empty() ? 0.0 : Seconds(picture.t_capture - evaluation.frames.front().t_capture);
+    Print(html, "<figure><figcaption>frame %lld, %.2f s%s: %d agree, %d rejected",
+          static_cast<long long>(picture.frame), t_s, picture.is_keyframe ? ", keyframe" : "",
+          picture.Count(LandmarkFate::kAgrees), picture.Count(LandmarkFate::kRejected));
+    if (picture.is_keyframe) Print(html, ", %d new", picture.Count(LandmarkFate::kCreated));
+    *html += TroubleAt(picture.t_capture, evaluation.frames) + "</figcaption>\n" + DrawPicture(picture) +
+             "</figure>\n";
+  }
+  *html += "</div>\n";
+}
+
 void AddTime(const Evaluation& evaluation, std::string* html) {
   const ReplayStats& stats = evaluation.stats;
   Print(html,
@@ -396,6 +440,7 @@ std::string ToReport(const Evaluation& evaluation) {
   for (const std::string& note : evaluation.notes) html += "<p>Note: " + EscapeMarkup(note) + "</p>\n";
   if (evaluation.trajectory && !evaluation.trajectory->samples.empty())
     AddTrajectory(*evaluation.trajectory, &html);
+  AddFilm(evaluation, &html);
   if (evaluation.map) AddMap(evaluation, &html);
   if (evaluation.staircases) AddStaircases(*evaluation.staircases, &html);
   if (evaluation.disparity) AddDisparity(*evaluation.disparity, &html);

@@ -100,6 +100,21 @@ GravitySource ReadGravitySource(const JsonValue& json) {
   json.Fail("must be imu, attitude, mounting, plane or assumed");
 }
 
+/// `<t_capture_ns>.png` of a folder, by time.
+std::map<Timestamp, std::filesystem::path> ImagesIn(const std::filesystem::path& folder) {
+  std::map<Timestamp, std::filesystem::path> images;
+  if (!std::filesystem::is_directory(folder)) return images;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    // Other images of the folder (confidence, colour) have an underscore in the name.
+    if (entry.path().extension() != ".png") continue;
+    const std::string stem = entry.path().stem().string();
+    Timestamp t;
+    const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), t.ns);
+    if (error == std::errc() && end == stem.data() + stem.size()) images[t] = entry.path();
+  }
+  return images;
+}
+
 constexpr const char* kStageOrder[] = {"load",      "rectify", "disparity", "odometry", "decomposition",
                                        "modelling", "merging", "labels",    "publish"};
 
@@ -233,6 +248,28 @@ ReplayStats ReadStatsFile(const std::filesystem::path& path) {
   return stats;
 }
 
+std::vector<ResultTracks> ReadTracksFile(const std::filesystem::path& path) {
+  std::vector<ResultTracks> frames;
+  ForEachLine(path, [&](const std::string& line, const std::string& where) {
+    const nlohmann::json document = ParseJson(line, where);
+    const JsonValue json(document, where);
+    ResultTracks tracks;
+    tracks.frame = json["frame"].Integer();
+    tracks.t_capture.ns = json["t_capture_ns"].Integer();
+    tracks.sightings.is_keyframe = json["keyframe"].Bool();
+    for (const LandmarkFate fate : kLandmarkFates) {
+      for (const JsonValue& item : json[Name(fate)].Items()) {
+        const std::vector<double> v = item.Numbers(3);  // ids are far below 2^53
+        tracks.sightings.landmarks.push_back(
+            {static_cast<std::int64_t>(v[0]), {static_cast<float>(v[1]), static_cast<float>(v[2])}, fate});
+      }
+    }
+    if (!frames.empty() && tracks.frame <= frames.back().frame) json["frame"].Fail("must rise");
+    frames.push_back(std::move(tracks));
+  });
+  return frames;
+}
+
 ReplayResult ReadReplayResult(const std::filesystem::path& folder) {
   ReplayResult result;
   result.folder = folder;
@@ -247,18 +284,11 @@ ReplayResult ReadReplayResult(const std::filesystem::path& folder) {
 }
 
 std::map<Timestamp, std::filesystem::path> SavedDisparities(const std::filesystem::path& result_folder) {
-  std::map<Timestamp, std::filesystem::path> images;
-  const std::filesystem::path folder = result_folder / "disparity";
-  if (!std::filesystem::is_directory(folder)) return images;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    // Other images of the folder (confidence, colour) have an underscore in the name.
-    if (entry.path().extension() != ".png") continue;
-    const std::string stem = entry.path().stem().string();
-    Timestamp t;
-    const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), t.ns);
-    if (error == std::errc() && end == stem.data() + stem.size()) images[t] = entry.path();
-  }
-  return images;
+  return ImagesIn(result_folder / "disparity");
+}
+
+std::map<Timestamp, std::filesystem::path> SavedTrackImages(const std::filesystem::path& result_folder) {
+  return ImagesIn(result_folder / "tracks");
 }
 
 }  // namespace terrace

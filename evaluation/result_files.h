@@ -14,6 +14,7 @@
 
 #include "core/camera.h"
 #include "core/geometry.h"
+#include "core/landmark_sightings.h"
 #include "core/pose_estimate.h"
 #include "core/terrain_map.h"
 #include "core/time.h"
@@ -41,6 +42,13 @@ struct ResultFrame {
 struct StaircaseReport {
   Timestamp t_capture;
   Staircase staircase;
+};
+
+/// One line of tracks.jsonl.
+struct ResultTracks {
+  std::int64_t frame = 0;  ///< from 0, in the order of frames.jsonl
+  Timestamp t_capture;
+  FrameSightings sightings;
 };
 
 /// camera.json.
@@ -84,7 +92,7 @@ struct ReplayStats {
   std::vector<std::pair<std::string, StageTimes>> StagesInOrder() const;
 };
 
-/// Everything that `terraced replay` leaves in a folder, but the disparity images, which are read one by one.
+/// Everything that `terraced replay` leaves in a folder, but images and tracks, which are read one by one.
 struct ReplayResult {
   std::filesystem::path folder;
   std::vector<ResultPose> trajectory;  ///< ascending in time
@@ -103,8 +111,11 @@ std::vector<ResultFrame> ReadFramesFile(const std::filesystem::path& path);
 std::vector<StaircaseReport> ReadStaircasesFile(const std::filesystem::path& path);
 ResultCamera ReadCameraFile(const std::filesystem::path& path);
 ReplayStats ReadStatsFile(const std::filesystem::path& path);
+std::vector<ResultTracks> ReadTracksFile(const std::filesystem::path& path);
 
-/// The disparity images that a replay saved, by capture time; empty when it saved none.
+// Images that a replay saved, by capture time; empty when it saved none.
 std::map<Timestamp, std::filesystem::path> SavedDisparities(const std::filesystem::path& result_folder);
+/// The rectified left images that belong to tracks.jsonl.
+std::map<Timestamp, std::filesystem::path> SavedTrackImages(const std::filesystem::path& result_folder);
 
 }  // namespace terrace

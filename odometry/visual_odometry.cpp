@@ -64,6 +64,7 @@ class VisualOdometry::Impl {
                   frame.right.size() == frame.left.size());
     const ImagePyramid left = BuildPyramid(frame.left);
     const ImagePyramid right = BuildPyramid(frame.right);
+    sightings_ = {};
     TakeOverCorrection();
     if (!last_) return Start(frame, left, right, samples);
 
@@ -80,6 +81,7 @@ class VisualOdometry::Impl {
     FollowAttitude(samples, pose);
     UpdateVertical(matches, solution);
     CountFailures(*found);
+    NoteSightings(*found);
     if (NeedsKeyframe(matches, solution) && SeesWithBoth(matches, solution) && !WaitForSharperImage(left)) {
       AddKeyframe(frame, left, right, pose.T_world_left, matches, solution);
       RefineWindow(&pose);
@@ -90,6 +92,7 @@ class VisualOdometry::Impl {
 
   PoseEstimate Bridge(FrameId frame_id, Timestamp t_capture, const SensorSamples& samples,
                       const std::string& reason) {
+    sightings_ = {};
     if (!last_) {
       PoseEstimate pose;
       pose.frame_id = frame_id;
@@ -102,6 +105,7 @@ class VisualOdometry::Impl {
   }
 
   const Gravity& gravity() const { return gravity_; }
+  const FrameSightings& sightings() const { return sightings_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   void Apply(const PoseCorrection& correction) { correction_ = correction.T_corrected_world; }
   void Apply(const GravityHint& hint) {
@@ -385,6 +389,14 @@ class VisualOdometry::Impl {
     }
   }
 
+  void NoteSightings(const PoseFinder::Found& found) {
+    for (std::size_t i = 0; i < found.matches.size(); ++i)
+      sightings_.landmarks.push_back(
+          {window_.landmarks[static_cast<std::size_t>(found.matches[i].landmark)].id,
+           found.matches[i].measurement.uvd.head<2>().cast<float>(),
+           found.solution.inlier[i] ? LandmarkFate::kAgrees : LandmarkFate::kRejected});
+  }
+
   bool NeedsKeyframe(const std::vector<Match>& matches, const PoseSolution& solution) const {
     const Keyframe& newest = window_.keyframes.back();
     const double distance = (solution.T_world_left.translation() - newest.T_world_left.translation()).norm();
@@ -458,9 +470,12 @@ class VisualOdometry::Impl {
         occupied[static_cast<std::size_t>(grid_.CellOf(m.uvd.x(), m.uvd.y()))] = true;
     }
     window_.keyframes.push_back(std::move(keyframe));
+    sightings_.is_keyframe = true;
     for (Landmark& landmark : finder_.Find(left, right, occupied, vertical_px_)) {
       landmark.id = next_landmark_id_++;
       landmark.host = window_.keyframes.back().id;
+      sightings_.landmarks.push_back(
+          {landmark.id, landmark.pixel_host.cast<float>(), LandmarkFate::kCreated});
       window_.landmarks.push_back(std::move(landmark));
     }
     constexpr int kMaxFailures = 3;
@@ -504,6 +519,7 @@ class VisualOdometry::Impl {
   Matrix6d bridge_covariance_ = Matrix6d::Zero();  ///< of the last pose against the last that was tracked
   int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's
 
+  FrameSightings sightings_;                                      ///< of the last frame
   Eigen::Isometry3d correction_ = Eigen::Isometry3d::Identity();  ///< still to be taken over
   Gravity gravity_;
   double vertical_px_ = 0.0;
@@ -524,6 +540,7 @@ PoseEstimate VisualOdometry::Bridge(FrameId frame_id, Timestamp t_capture, const
   return impl_->Bridge(frame_id, t_capture, samples, reason);
 }
 const Gravity& VisualOdometry::gravity() const { return impl_->gravity(); }
+const FrameSightings& VisualOdometry::sightings() const { return impl_->sightings(); }
 const std::vector<std::string>& VisualOdometry::warnings() const { return impl_->warnings(); }
 void VisualOdometry::Apply(const PoseCorrection& correction) { impl_->Apply(correction); }
 void VisualOdometry::Apply(const GravityHint& hint) { impl_->Apply(hint); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/landmark_sightings.h"
 #include "core/pose_estimate.h"
 #include "core/sensor_frame.h"
 #include "stereo/stereo_frame.h"
@@ -79,6 +80,8 @@ class VisualOdometry {
                       const std::string& reason);
 
   const Gravity& gravity() const;
+  /// What became of the landmarks in the last frame: none of a frame that is bridged.
+  const FrameSightings& sightings() const;
   /// What the user should be told, a sentence each, once.
   const std::vector<std::string>& warnings() const;
 

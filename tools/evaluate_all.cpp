@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate_all.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
@@ -198,6 +199,9 @@ void RunJob(const EvaluationJob& job, const fs::path& base, const fs::path& outp
   const fs::path result = output / job.name;
   std::vector<std::string> replay{Daemon(), "replay", sequence, "--output", result, "--overwrite"};
   replay.insert(replay.end(), job.replay_options.begin(), job.replay_options.end());
+  // For the film strip of the report.
+  if (std::find(replay.begin(), replay.end(), "--save-tracks") == replay.end())
+    replay.insert(replay.end(), {"--save-tracks", "8"});
   // A figure of an earlier run must not pass for one of this.
   fs::remove(result / "evaluation.json");
   fs::create_directories(output);

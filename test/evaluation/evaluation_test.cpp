@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/file_bytes.h"
+#include "datasets/image_file.h"
 #include "datasets/npz_file.h"
 #include "evaluation/evaluation_text.h"
 #include "evaluation/report.h"
@@ -204,6 +205,25 @@ TEST_F(EvaluationTest, ReportsOnOnePageThatNeedsNoNetwork) {
   EXPECT_THAT(report, Not(HasSubstr("<script")));
   // In the order in which a frame passes them, not of the alphabet or the file.
   EXPECT_LT(report.find(">disparity</text>"), report.find(">labels</text>"));
+}
+
+TEST_F(EvaluationTest, ShowsTheTracksOnTheImagesOrSaysHowToGetThem) {
+  EXPECT_THAT(ToReport(Evaluate()), HasSubstr("--save-tracks"));
+  std::filesystem::create_directories(folder_ / "result" / "tracks");
+  WritePng(folder_ / "result/tracks/1600000012000000000.png", {4, 3, std::vector<std::uint8_t>(12, 99)});
+  Write(
+      "result/tracks.jsonl",
+      "{\"frame\": 1, \"t_capture_ns\": 1600000011000000000, \"keyframe\": true, \"agrees\": [[7, 1, 2]], "
+      "\"rejected\": [], \"created\": []}\n"
+      "{\"frame\": 2, \"t_capture_ns\": 1600000012000000000, \"keyframe\": false, \"agrees\": [[7, 2, 2.5]], "
+      "\"rejected\": [[8, 3, 1]], \"created\": []}\n");
+  const std::string report = ToReport(Evaluate());
+  EXPECT_THAT(report, Not(HasSubstr("--save-tracks")));
+  EXPECT_THAT(report, HasSubstr("frame 2, 2.00 s: 1 agree, 1 rejected<"));
+  EXPECT_THAT(report, HasSubstr("href=\"data:image/jpeg;base64,"));
+  EXPECT_THAT(report, HasSubstr("M1.0 2.0L2.0 2.5"));  // the trail
+  EXPECT_THAT(report, HasSubstr("M1.0 2.0h0"));        // its keyframe
+  EXPECT_THAT(report, Not(HasSubstr("http")));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "odometry/visual_odometry.h"
 
 #include <cmath>
+#include <map>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -160,6 +161,31 @@ StereoFrame Black(StereoFrame frame) {
 double ErrorMm(const PoseEstimate& first, const PoseEstimate& pose, int frame) {
   return 1e3 *
          (FromStart(first, pose).translation() - (Walk(0).inverse() * Walk(frame)).translation()).norm();
+}
+
+TEST(VisualOdometryTest, TellsWhatBecameOfTheLandmarks) {
+  VisualOdometry odometry({}, kCamera, {});
+  odometry.Track(World().Frame(0, Walk(0)), {});
+  EXPECT_TRUE(odometry.sightings().is_keyframe);
+  std::map<std::int64_t, Eigen::Vector2f> created;
+  for (const LandmarkSighting& sighting : odometry.sightings().landmarks) {
+    EXPECT_EQ(sighting.fate, LandmarkFate::kCreated);
+    created[sighting.landmark] = sighting.pixel;
+  }
+  ASSERT_GT(created.size(), 50u);
+  // From where it stands: every landmark is where it began.
+  const PoseEstimate pose = odometry.Track(World().Frame(1, Walk(0)), {});
+  EXPECT_FALSE(odometry.sightings().is_keyframe);
+  int num_agree = 0;
+  for (const LandmarkSighting& sighting : odometry.sightings().landmarks) {
+    if (sighting.fate != LandmarkFate::kAgrees) continue;
+    ++num_agree;
+    ASSERT_TRUE(created.contains(sighting.landmark));
+    EXPECT_LT((sighting.pixel - created[sighting.landmark]).norm(), 0.2F);
+  }
+  EXPECT_EQ(num_agree, pose.num_inliers);
+  odometry.Bridge(2, Timestamp{1'132'000'000}, {}, "no image");
+  EXPECT_TRUE(odometry.sightings().landmarks.empty());
 }
 
 TEST(VisualOdometryTest, FollowsABouncingWalkToAMillimetre) {

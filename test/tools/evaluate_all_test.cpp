@@ -68,6 +68,7 @@ TEST(EvaluateAllTest, RendersASceneOnceThatTwoJobsNeedAtTheSameTime) {
   EXPECT_EQ(std::system(command.c_str()), 0) << ReadTextFile(folder / "said");
   EXPECT_TRUE(fs::exists(folder / "out" / "one" / "evaluation.json"));
   EXPECT_TRUE(fs::exists(folder / "out" / "two" / "evaluation.json"));
+  EXPECT_TRUE(fs::exists(folder / "out" / "two" / "tracks.jsonl"));
   fs::remove_all(folder);
 }
 
