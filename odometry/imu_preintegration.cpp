@@ -57,7 +57,7 @@ void ImuPreintegration::Add(const Eigen::Vector3d& gyro, const Eigen::Vector3d& 
 
   p_ += v_ * dt + 0.5 * R_half * a * dt * dt;
   v_ += R_half * a * dt;
-  R_ = Eigen::Quaterniond(R_ * step).normalized().toRotationMatrix();
+  R_ = Normalized(R_ * step);
   dt_s_ += dt;
 }
 

@@ -5,10 +5,9 @@
 #include <bit>
 #include <random>
 
-#include <Eigen/Dense>
-
-#include "odometry/pose_solver.h"
+#include "odometry/covariance.h"
 #include "odometry/rotation.h"
+#include "odometry/pose_solver.h"
 
 namespace terrace {
 namespace {
@@ -152,11 +151,11 @@ std::optional<KeyframeArchive::Recognition> KeyframeArchive::Recognize(
         solution.num_inliers < kMinInlierShare * static_cast<double>(constraints.size()) ||
         (best && solution.num_inliers <= best->num_inliers))
       continue;
-    const Matrix6d transport = ErrorTransport(keyframe->T_world_left.inverse() * solution.T_world_left);
-    best =
-        Recognition{solution.T_world_left,
-                    transport * keyframe->covariance * transport.transpose() + solution.information.inverse(),
-                    solution.num_inliers};
+    const Eigen::Isometry3d T_keyframe_left = keyframe->T_world_left.inverse() * solution.T_world_left;
+    best = Recognition{
+        solution.T_world_left,
+        TransportCovariance(T_keyframe_left, keyframe->covariance) + Inverse(solution.information),
+        solution.num_inliers};
   }
   return best;
 }

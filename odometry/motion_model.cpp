@@ -5,6 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "odometry/covariance.h"
 #include "odometry/rotation.h"
 
 namespace terrace {
@@ -50,10 +51,9 @@ Motion MotionModel::Predict(const PoseEstimate& last, Timestamp t_capture, const
     motion.T_last_left = mounting_.T_body_left->inverse() * leg_motion_->T_odom_body * *mounting_.T_body_left;
     motion.velocity_world = imu_velocity_world_;
     motion.by_legs = true;
-    const Matrix6d transport = ErrorTransport(*mounting_.T_body_left);
     constexpr double kLegRotationSigma = 0.01;
     constexpr double kLegTranslationSigma = 0.005;
-    motion.covariance = transport * leg_motion_->covariance * transport.transpose() +
+    motion.covariance = TransportCovariance(*mounting_.T_body_left, leg_motion_->covariance) +
                         DiagonalCovariance(kLegRotationSigma, kLegTranslationSigma);
     return motion;
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "odometry/covariance.h"
+
 namespace terrace {
 namespace {
 
@@ -106,7 +108,7 @@ std::optional<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, c
   if (!Believed()) {
     PosePrior vague = expected.prior;
     vague.information *= 0.1;
-    const double turn_rad = std::sqrt(expected.prior.information.inverse().topLeftCorner<3, 3>().trace());
+    const double turn_rad = std::sqrt(Inverse(expected.prior.information).topLeftCorner<3, 3>().trace());
     const double reach_px = std::max(camera_.width / 6.0, camera_.fx * std::min(turn_rad, 1.0));
     // Coarsely first; what stands in front leaves only small patches of the rest.
     for (const int level : {3, 2}) {

@@ -8,6 +8,7 @@
 
 #include <Eigen/Dense>
 
+#include "odometry/covariance.h"
 #include "odometry/rotation.h"
 
 namespace terrace {
@@ -78,13 +79,11 @@ bool Refine(const std::vector<PoseConstraint>& constraints, const Indices& used,
       g.noalias() += weight * J.transpose() * r;
     }
     H.diagonal().array() += 1e-9 * H.trace();
-    const Eigen::LDLT<Matrix6d> solver(H);
-    if (solver.info() != Eigen::Success || !solver.isPositive()) return false;
-    const Vector6d step = solver.solve(-g);
-    if (!step.allFinite()) return false;
-    T = Perturb(T, step);
+    const auto step = SolvePositive(H, -g);
+    if (!step || !step->allFinite()) return false;
+    T = Perturb(T, *step);
     if (information) *information = H;
-    if (step.norm() < 1e-7) break;
+    if (step->norm() < 1e-7) break;
   }
   return true;
 }

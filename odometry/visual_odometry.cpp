@@ -5,9 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Dense>
-
 #include "core/check.h"
+#include "odometry/covariance.h"
 #include "odometry/feature_finder.h"
 #include "odometry/image_pyramid.h"
 #include "odometry/keyframe_archive.h"
@@ -236,9 +235,8 @@ class VisualOdometry::Impl {
     Expectation expected;
     expected.T_world_seen = T_world_seen_;
     expected.prior.T_world_left = last_->T_world_left * predicted.T_last_left;
-    const Matrix6d transport = ErrorTransport(predicted.T_last_left);
     expected.prior.information =
-        (transport * bridge_covariance_ * transport.transpose() + predicted.covariance).inverse();
+        Inverse(TransportCovariance(predicted.T_last_left, bridge_covariance_) + predicted.covariance);
     expected.measured = motion_.imu_in_use();
     expected.vertical_px = vertical_px_;
     expected.seed = static_cast<std::uint32_t>(frame.frame_id);
@@ -253,16 +251,14 @@ class VisualOdometry::Impl {
     pose.status = TrackingStatus::kTracking;
     pose.T_world_left = solution.T_world_left;
     pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
-    const Matrix6d own = kCorrelation * solution.information.inverse();
-    const Matrix6d from_prev = ErrorTransport(pose.T_prev_left);
+    const Matrix6d own = kCorrelation * Inverse(solution.information);
     const bool bridged_before = last_->status != TrackingStatus::kTracking;
     pose.covariance_prev =
-        own + from_prev * (bridged_before ? last_->covariance : own_covariance_) * from_prev.transpose();
+        own + TransportCovariance(pose.T_prev_left, bridged_before ? last_->covariance : own_covariance_);
     own_covariance_ = own;
     const Eigen::Isometry3d T_keyframe_left =
         window_.keyframes.back().T_world_left.inverse() * pose.T_world_left;
-    const Matrix6d transport = ErrorTransport(T_keyframe_left);
-    pose.covariance = transport * keyframe_covariance_ * transport.transpose() + own;
+    pose.covariance = TransportCovariance(T_keyframe_left, keyframe_covariance_) + own;
     pose.num_matches = static_cast<int>(matches.size());
     pose.num_inliers = solution.num_inliers;
     pose.rms_px = solution.rms_px;
@@ -283,10 +279,9 @@ class VisualOdometry::Impl {
     pose.reason = reason;
     pose.T_world_left = last_->T_world_left * predicted.T_last_left;
     pose.T_prev_left = predicted.T_last_left;
-    const Matrix6d transport = ErrorTransport(predicted.T_last_left);
     if (predicted.by_legs) {
       pose.covariance_prev = predicted.covariance;
-      pose.covariance = transport * last_->covariance * transport.transpose() + predicted.covariance;
+      pose.covariance = TransportCovariance(predicted.T_last_left, last_->covariance) + predicted.covariance;
     } else {
       // An error of the velocity goes on: it grows with the time, not with its root.
       const double scale = std::sqrt(kCorrelation);
@@ -295,12 +290,13 @@ class VisualOdometry::Impl {
       const auto DriftAfter = [&](double t_s) { return motion_.DriftCovariance(t_s, known, gravity_); };
       const Matrix6d drift = DriftAfter(bridged_s_);
       const Matrix6d before = DriftAfter(bridged_s_ - predicted.dt_s);
-      const Matrix6d from_seen = ErrorTransport(T_world_seen_.inverse() * pose.T_world_left);
-      pose.covariance = from_seen * seen_covariance_ * from_seen.transpose() + drift;
+      pose.covariance =
+          TransportCovariance(T_world_seen_.inverse() * pose.T_world_left, seen_covariance_) + drift;
       const Vector6d step = drift.diagonal().cwiseSqrt() - before.diagonal().cwiseSqrt();
       pose.covariance_prev = step.cwiseAbs2().asDiagonal();
     }
-    bridge_covariance_ = transport * bridge_covariance_ * transport.transpose() + predicted.covariance;
+    bridge_covariance_ =
+        TransportCovariance(predicted.T_last_left, bridge_covariance_) + predicted.covariance;
     pose.vertical_disparity_px = vertical_px_;
     motion_.Bridge(predicted, gravity_);
     Remember(pose);
@@ -350,7 +346,7 @@ class VisualOdometry::Impl {
   bool Plausible(const Eigen::Isometry3d& T_world_left, const PoseEstimate& bridged) const {
     constexpr double kMaxChi2 = 40.0;  // of six components; generous, as the motion is only presumed
     const Vector6d step = StepBetween(bridged.T_world_left, T_world_left);
-    return step.dot(bridge_covariance_.ldlt().solve(step)) < kMaxChi2;
+    return Chi2(step, bridge_covariance_) < kMaxChi2;
   }
 
   void Remember(const PoseEstimate& pose) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "odometry/covariance.h"
 #include "odometry/pose_solver.h"
 #include "odometry/rotation.h"
 
@@ -74,7 +75,7 @@ void WindowOptimizer::Start(const Keyframe& first, const Matrix6d& pose_covarian
   prior_g_ = Eigen::VectorXd::Zero(n);
   Matrix6d covariance = pose_covariance;
   covariance.diagonal().array() += kFirstPoseSigma * kFirstPoseSigma;
-  prior_H_.topLeftCorner<6, 6>() = covariance.inverse();
+  prior_H_.topLeftCorner<6, 6>() = Inverse(covariance);
   if (T_left_imu_) {
     prior_H_.diagonal().segment<3>(6).setConstant(1.0 / (kVelocitySigma * kVelocitySigma));
     prior_H_.diagonal().segment<3>(9).setConstant(1.0 / (kGyroBiasSigma * kGyroBiasSigma));
@@ -183,8 +184,9 @@ void WindowOptimizer::AddImu(const Window& window, const Eigen::Vector3d& down_w
     J.leftCols<15>() = l.by_start * FromLeft(window.keyframes[k - 1]);
     J.middleCols<15>(15) = l.by_end * FromLeft(keyframe);
     J.rightCols<2>() = l.by_gravity * kGravityMagnitude * AxesAcross(down_world);
-    const Eigen::Matrix<double, 32, 32> H = J.transpose() * weighted * J;
-    const Eigen::Matrix<double, 32, 1> g = J.transpose() * weighted * l.residual;
+    const Eigen::Matrix<double, 32, 15> J_weighted = J.transpose() * weighted;
+    const Eigen::Matrix<double, 32, 32> H = J_weighted * J;
+    const Eigen::Matrix<double, 32, 1> g = J_weighted * l.residual;
     const Eigen::Index at = static_cast<Eigen::Index>(k - 1) * 15;
     const Eigen::Index n = system->g.size();
     system->H.block<30, 30>(at, at) += H.topLeftCorner<30, 30>();

@@ -22,13 +22,16 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <malloc.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "damage.h"
 #include "datasets/sequence.h"
+#include "evaluation/alignment.h"
+#include "odometry/covariance.h"
 #include "odometry/rotation.h"
 #include "odometry/visual_odometry.h"
 #include "stereo/rectifier.h"
@@ -116,6 +119,15 @@ Recording Load(const std::filesystem::path& path) {
   }
   recording.truth = ReadTruth(path, rectifier.R_rect_raw());
   return recording;
+}
+
+/// Of rotation (first = 0) or translation (3) alone.
+double Chi2OfHalf(const Vector6d& error, const Matrix6d& covariance, int first) {
+  Vector6d e = Vector6d::Zero();
+  Matrix6d P = Matrix6d::Identity();
+  e.segment<3>(first) = error.segment<3>(first);
+  P.block<3, 3>(first, first) = covariance.block<3, 3>(first, first);
+  return Chi2(e, P);
 }
 
 /// Everything measured about one run.
@@ -236,18 +248,16 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
   if (n < 3) return out;
 
   // Bridged poses are guesses and say so: they count in the relative errors, not in the ATE.
-  std::vector<std::size_t> seen;
+  std::vector<PosePair> seen;
   for (std::size_t i = 0; i < n; ++i)
-    if (used[i]->status == TrackingStatus::kTracking) seen.push_back(i);
-  Eigen::Matrix3Xd p_est(3, seen.size()), p_true(3, seen.size());
-  for (std::size_t k = 0; k < seen.size(); ++k) {
-    p_est.col(static_cast<Eigen::Index>(k)) = estimated[seen[k]].translation();
-    p_true.col(static_cast<Eigen::Index>(k)) = truth[seen[k]].translation();
-  }
-  const Eigen::Matrix4d T_align = Eigen::umeyama(p_est, p_true, false);
-  const Eigen::Matrix3Xd errors =
-      ((T_align.topLeftCorner<3, 3>() * p_est).colwise() + T_align.block<3, 1>(0, 3)) - p_true;
-  out.ate_mm = 1e3 * std::sqrt(errors.colwise().squaredNorm().mean());
+    if (used[i]->status == TrackingStatus::kTracking)
+      seen.push_back({used[i]->t_capture, estimated[i], truth[i]});
+  const Eigen::Isometry3d T_true_result = AlignByPositions(seen);
+  double square_m2 = 0.0;
+  for (const PosePair& pair : seen)
+    square_m2 +=
+        (T_true_result * pair.T_result_left.translation() - pair.T_true_left.translation()).squaredNorm();
+  out.ate_mm = 1e3 * std::sqrt(square_m2 / static_cast<double>(seen.size()));
 
   std::vector<double> path{0.0};
   for (std::size_t i = 1; i < n; ++i)
@@ -282,11 +292,11 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
     const Eigen::Isometry3d T_est = estimated[0].inverse() * estimated[i];
     const Vector6d e = StepBetween(T_true, T_est);
     const Matrix6d& P = used[i]->covariance;
-    const double nees = e.dot(P.ldlt().solve(e));
+    const double nees = Chi2(e, P);
     out.nees += nees;
     if (used[i]->status == TrackingStatus::kBridging) out.nees_bridging += nees;
-    out.nees_rotation += e.head<3>().dot(P.topLeftCorner<3, 3>().ldlt().solve(e.head<3>()));
-    out.nees_translation += e.tail<3>().dot(P.bottomRightCorner<3, 3>().ldlt().solve(e.tail<3>()));
+    out.nees_rotation += Chi2OfHalf(e, P, 0);
+    out.nees_translation += Chi2OfHalf(e, P, 3);
     ++num_nees;
     const Eigen::Vector3d jump = (truth[i - 1].inverse() * truth[i]).translation() -
                                  (estimated[i - 1].inverse() * estimated[i]).translation();

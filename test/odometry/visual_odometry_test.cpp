@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "odometry/covariance.h"
 #include "odometry/imu_preintegration.h"
 #include "odometry/rotation.h"
 
@@ -259,7 +260,7 @@ double BridgingNees(bool with_imu) {
     EXPECT_EQ(pose.status, black ? TrackingStatus::kBridging : TrackingStatus::kTracking) << "frame " << i;
     if (!black) continue;
     const Vector6d error = StepBetween(Walk(0).inverse() * Walk(i), FromStart(first, pose));
-    sum += error.dot(pose.covariance.ldlt().solve(error));
+    sum += Chi2(error, pose.covariance);
     ++count;
   }
   return sum / count;

@@ -7,6 +7,7 @@
 #include <ceres/rotation.h>
 #include <gtest/gtest.h>
 
+#include "odometry/covariance.h"
 #include "odometry/pose_solver.h"
 #include "odometry/rotation.h"
 
@@ -181,7 +182,7 @@ TEST(WindowOptimizerTest, ClaimsTheErrorsItMakes) {
   Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
   optimizer.Optimize(window, down, 1.0, 20);
   const Vector6d error = StepBetween(truth.back(), window.keyframes.back().T_world_left);
-  EXPECT_LT(error.dot(optimizer.newest_covariance().ldlt().solve(error)), 20.0);  // six degrees of freedom
+  EXPECT_LT(Chi2(error, optimizer.newest_covariance()), 20.0);  // six degrees of freedom
 }
 
 }  // namespace
