@@ -8,13 +8,13 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/angles.h"
 #include "evaluation/planar_shape.h"
 #include "evaluation/statistics.h"
 
 namespace terrace {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / EIGEN_PI;
 constexpr int kErosion_px = 3;
 constexpr std::size_t kMinMaskPixels = 400;
 /// More say no more: every n-th pixel of larger masks is enough, and quick.
@@ -122,7 +122,7 @@ PlaneFit Compare(const std::vector<Pixel>& pixels, const DisparityPlane& fitted,
   // Planes are seen from the side their normal points to, so a nearer point lies on that side.
   fit.offset_mm = 1e3 * plane_left.SignedDistance(p_left);
   const double cosine = std::abs(PlaneOf(fitted, camera).normal.dot(plane_left.normal));
-  fit.angle_deg = kDegPerRad * std::acos(std::min(cosine, 1.0));
+  fit.angle_deg = Degrees(std::acos(std::min(cosine, 1.0)));
   return fit;
 }
 

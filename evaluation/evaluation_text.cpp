@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluation/evaluation_text.h"
 
-#include <cstdarg>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
+
+#include "core/print.h"
 
 namespace terrace {
 namespace {
@@ -213,16 +214,6 @@ Json TimeJson(const Evaluation& evaluation) {
                             {"p99_ms", stage.p99_ms}, {"max_ms", stage.max_ms}};
   }
   return json;
-}
-
-/// Appends formatted text.
-[[gnu::format(printf, 2, 3)]] void Print(std::string* text, const char* format, ...) {
-  va_list arguments;
-  va_start(arguments, format);
-  char line[512];
-  std::vsnprintf(line, sizeof(line), format, arguments);
-  va_end(arguments);
-  *text += line;
 }
 
 void PrintTrajectory(const TrajectoryEvaluation& trajectory, std::string* text) {

@@ -2,9 +2,9 @@
 #include "evaluation/report.h"
 
 #include <algorithm>
-#include <cstdarg>
 #include <cstdio>
 
+#include "core/print.h"
 #include "core/time.h"
 #include "evaluation/disparity_picture.h"
 #include "evaluation/film_strip.h"
@@ -39,15 +39,6 @@ figure { margin: 10px 0; } figcaption { color: #5c6370; margin-bottom: 4px; } im
 .film figure { margin: 0; } .keyframe { fill: none; stroke: #0b6bcb; stroke-width: 4; }
 .swatch { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin: 0 4px 0 12px; vertical-align: -1px; }
 )";
-
-[[gnu::format(printf, 2, 3)]] void Print(std::string* text, const char* format, ...) {
-  va_list arguments;
-  va_start(arguments, format);
-  char line[1024];
-  std::vsnprintf(line, sizeof(line), format, arguments);
-  va_end(arguments);
-  *text += line;
-}
 
 const char* ColourOf(const std::string& label) {
   if (label == "walkway") return "#58a65c";

@@ -7,12 +7,12 @@
 #include <limits>
 #include <set>
 
+#include "core/angles.h"
 #include "evaluation/planar_shape.h"
 
 namespace terrace {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / EIGEN_PI;
 /// A reported staircase is the true one when its foot or its head lies this near to it, and it climbs within
 /// this angle of it.
 constexpr double kMatchDistance_m = 0.3;
@@ -27,7 +27,7 @@ constexpr double kRightDirection_deg = 10.0;
 double HorizontalAngle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector2d p = a.head<2>().normalized();
   const Eigen::Vector2d q = b.head<2>().normalized();
-  return kDegPerRad * std::acos(std::clamp(p.dot(q), -1.0, 1.0));
+  return Degrees(std::acos(std::clamp(p.dot(q), -1.0, 1.0)));
 }
 
 /// Horizontal distance of a point from a segment.

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <limits>
 #include <optional>
+
+#include "core/print.h"
 
 namespace terrace {
 namespace {
@@ -14,15 +14,6 @@ namespace {
 constexpr double kWidth = 640, kHeight = 300;
 constexpr double kLeft = 62, kRight = 14, kTop = 34, kBottom = 44;
 constexpr double kMaxEqualHeight = 520, kMinEqualHeight = 170;
-
-[[gnu::format(printf, 2, 3)]] void Print(std::string* text, const char* format, ...) {
-  va_list arguments;
-  va_start(arguments, format);
-  char line[512];
-  std::vsnprintf(line, sizeof(line), format, arguments);
-  va_end(arguments);
-  *text += line;
-}
 
 /// 1, 2 or 5 times a power of ten, so that about `count` steps fill the range.
 double NiceStep(double range, int count) {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/angles.h"
 #include "datasets/file_bytes.h"
 #include "evaluation/statistics.h"
 
@@ -23,7 +24,6 @@ constexpr double kLengthSlack_m = 1e-9;
 constexpr double kDenseTruthFactor = 1.5;
 /// 95 % of chi-square with 6 degrees of freedom.
 constexpr double kChiSquare6At95 = 12.592;
-constexpr double kDegPerRad = 180.0 / EIGEN_PI;
 
 double AngleOf(const Eigen::Matrix3d& rotation) { return Eigen::AngleAxisd(rotation).angle(); }
 
@@ -55,7 +55,7 @@ SegmentError ErrorOverSegments(const std::vector<PosePair>& pairs, const std::ve
     const Eigen::Isometry3d moved_true = pairs[start].T_true_left.inverse() * pairs[end].T_true_left;
     const Eigen::Isometry3d difference = moved_result.inverse() * moved_true;
     error.translation_pct += 100.0 * difference.translation().norm() / length_m;
-    error.rotation_deg_per_m += kDegPerRad * AngleOf(difference.linear()) / length_m;
+    error.rotation_deg_per_m += Degrees(AngleOf(difference.linear())) / length_m;
     ++error.count;
   }
   if (error.count > 0) {
@@ -202,13 +202,12 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs,
     sample.error_m = (sample.p_aligned - sample.p_true).norm();
     const Eigen::Isometry3d from_first = pair.T_true_left.inverse() * T_by_first * pair.T_result_left;
     sample.error_from_first_m = from_first.translation().norm();
-    sample.rotation_from_first_deg = kDegPerRad * AngleOf(from_first.linear());
+    sample.rotation_from_first_deg = Degrees(AngleOf(from_first.linear()));
     evaluation.samples.push_back(sample);
     errors_m.push_back(sample.error_m);
     errors_from_first_m.push_back(sample.error_from_first_m);
-    rotation_errors_deg.push_back(kDegPerRad *
-                                  AngleOf(pair.T_true_left.linear().transpose() * T_by_orientations.linear() *
-                                          pair.T_result_left.linear()));
+    rotation_errors_deg.push_back(Degrees(AngleOf(
+        pair.T_true_left.linear().transpose() * T_by_orientations.linear() * pair.T_result_left.linear())));
   }
   const std::vector<double> along = PathLengths(pairs);
   evaluation.path_length_m = along.back();

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/angles.h"
 
 namespace terrace {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 // Floors of buildings are level within about 0.3 deg; streets are not, and get no better than their own
 // scatter.
-constexpr double kFloorSigma = 0.3 * kDegree;
+constexpr double kFloorSigma = Radians(0.3);
 // Smaller planes are boxes and steps that may stand askew.
 constexpr double kMinArea = 0.3;
 
@@ -24,7 +24,7 @@ std::optional<GravityHint> GravityFromPlanes(const PolygonUpdate& polygons, cons
                                  ? Eigen::Vector3d(-(pose.T_world_left.linear() * Eigen::Vector3d::UnitY()))
                                  : gravity.up_world();
   const double widest =
-      assumed ? 45.0 * kDegree : std::clamp(3.0 * gravity.sigma_rad, 3.0 * kDegree, 10.0 * kDegree);
+      assumed ? Radians(45.0) : std::clamp(3.0 * gravity.sigma_rad, Radians(3.0), Radians(10.0));
 
   const Polygon* dominant = nullptr;
   for (const PolygonPtr& polygon : polygons.polygons) {
@@ -39,7 +39,7 @@ std::optional<GravityHint> GravityFromPlanes(const PolygonUpdate& polygons, cons
   double information = 0.0;
   for (const PolygonPtr& polygon : polygons.polygons) {
     if (polygon->area_m2 < kMinArea) continue;
-    if (polygon->plane_world.normal.dot(dominant->plane_world.normal) < std::cos(3.0 * kDegree)) continue;
+    if (polygon->plane_world.normal.dot(dominant->plane_world.normal) < std::cos(Radians(3.0))) continue;
     const double tilt_variance =
         polygon->plane_covariance.topLeftCorner<2, 2>().trace() + kFloorSigma * kFloorSigma;
     sum += polygon->plane_world.normal / tilt_variance;

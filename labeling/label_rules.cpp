@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "core/angles.h"
+
 namespace terrace {
 namespace {
-
-double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 /// Chance that a normally distributed value lies above zero.
 double ChancePositive(double mean, double sigma) {

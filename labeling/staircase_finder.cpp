@@ -10,11 +10,12 @@
 #include <set>
 #include <utility>
 
+#include "core/angles.h"
+
 namespace terrace {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-double Radians(double degrees) { return degrees * kPi / 180.0; }
 Eigen::Vector2d LeftOf(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 

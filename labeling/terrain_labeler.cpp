@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <utility>
 
+#include "core/angles.h"
 #include "labeling/edge_kinds.h"
 #include "labeling/label_rules.h"
 #include "labeling/staircase_tracker.h"
@@ -17,8 +17,6 @@
 
 namespace terrace {
 namespace {
-
-double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 SurfaceLimits SurfaceLimitsOf(const LabelingConfig& config, const RobotConfig& robot) {
   return {Radians(robot.max_ramp_slope_deg), Radians(config.min_upright_deg), config.min_walkway_edge_m};

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -13,6 +12,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/angles.h"
 #include "core/check.h"
 #include "polygonization/outline.h"
 
@@ -20,7 +20,7 @@ namespace terrace {
 namespace {
 
 using SurfaceId = std::int64_t;
-constexpr SurfaceId kNone = 0;
+constexpr SurfaceId kNoSurface = 0;
 
 /// What stays wrong with a patch however many points it has (pixel locking, calibration).
 constexpr double kSystematic_m = 0.003;
@@ -58,7 +58,7 @@ struct Member {
   Eigen::Vector3d mean_world;
   Eigen::Vector3d low_world, high_world;  // box around the footprints
   double angle_sigma_rad = 0.0;           // how well its own normal is known
-  SurfaceId surface = kNone;
+  SurfaceId surface = kNoSurface;
   PolygonId polygon = 0;  // the polygon that it was part of last
 };
 
@@ -176,7 +176,7 @@ class PolygonMerger::Impl {
       if (const auto found = cells_.find(cell.key); found != cells_.end())
         old = std::move(found->second.members);
       for (const Member& member : old) {
-        if (member.surface == kNone) continue;
+        if (member.surface == kNoSurface) continue;
         surfaces_.at(member.surface).cells.erase(cell.key);
         touched_.insert(member.surface);
       }
@@ -192,14 +192,14 @@ class PolygonMerger::Impl {
         const MemberRef ref{cell.key, static_cast<int>(now.members.size()) - 1};
         double best = std::numeric_limits<double>::infinity();
         for (const Member& before : old) {
-          if (before.surface == kNone) continue;
+          if (before.surface == kNoSurface) continue;
           const std::optional<double> misfit = Misfit(member, surfaces_.at(before.surface), 1.0);
           if (!misfit || *misfit >= best) continue;
           best = *misfit;
           member.surface = before.surface;
           member.polygon = before.polygon;
         }
-        if (member.surface != kNone)
+        if (member.surface != kNoSurface)
           surfaces_.at(member.surface).cells.insert(cell.key);
         else
           homeless_.push_back(ref);
@@ -230,7 +230,7 @@ class PolygonMerger::Impl {
     const Plane& plane = surface.plane_world;
     const double angle = std::acos(std::clamp(plane.normal.dot(member.patch.plane_world.normal), -1.0, 1.0));
     const double max_angle =
-        slack * config_.max_angle_deg * std::numbers::pi / 180.0 +
+        Radians(slack * config_.max_angle_deg) +
         std::min(kMaxExtraAngle_rad, 2.0 * (member.angle_sigma_rad + surface.angle_sigma_rad));
     if (angle > max_angle) return std::nullopt;
     const double offset = std::abs(plane.SignedDistance(member.mean_world));
@@ -279,16 +279,16 @@ class PolygonMerger::Impl {
       return wa != wb ? wa > wb : a < b;
     });
     for (const MemberRef& ref : queue) {
-      SurfaceId home = kNone;
+      SurfaceId home = kNoSurface;
       double best = std::numeric_limits<double>::infinity();
       ForEachNeighbour(ref, [&](const MemberRef&, const Member& neighbour) {
-        if (neighbour.surface == kNone || neighbour.surface == home) return;
+        if (neighbour.surface == kNoSurface || neighbour.surface == home) return;
         const std::optional<double> misfit = Misfit(At(ref), surfaces_.at(neighbour.surface), 1.0);
         if (!misfit || *misfit > best || (*misfit == best && neighbour.surface > home)) return;
         best = *misfit;
         home = neighbour.surface;
       });
-      if (home == kNone) {
+      if (home == kNoSurface) {
         FoundSurface(ref);
       } else {
         Join(ref, home);
@@ -323,10 +323,10 @@ class PolygonMerger::Impl {
     for (const PatchUpdate::CellPatches& cell : update.cells) {
       for (int i = 0; i < static_cast<int>(cell.patches.size()); ++i) {
         const Member& member = At({cell.key, i});
-        if (member.surface == kNone) continue;
+        if (member.surface == kNoSurface) continue;
         const Surface& surface = surfaces_.at(member.surface);
         ForEachNeighbour({cell.key, i}, [&](const MemberRef&, const Member& neighbour) {
-          if (neighbour.surface == kNone || neighbour.surface == member.surface) return;
+          if (neighbour.surface == kNoSurface || neighbour.surface == member.surface) return;
           if (!Misfit(member, surfaces_.at(neighbour.surface), 1.0) && !Misfit(neighbour, surface, 1.0))
             return;
           pairs.insert(std::minmax(member.surface, neighbour.surface));
@@ -350,7 +350,7 @@ class PolygonMerger::Impl {
 
   bool OnePlane(const Surface& a, const Surface& b) const {
     const double angle = std::acos(std::clamp(a.plane_world.normal.dot(b.plane_world.normal), -1.0, 1.0));
-    if (angle > config_.max_angle_deg * std::numbers::pi / 180.0 +
+    if (angle > Radians(config_.max_angle_deg) +
                     std::min(kMaxExtraAngle_rad, 2.0 * (a.angle_sigma_rad + b.angle_sigma_rad)))
       return false;
     const bool a_larger = a.moments.weight >= b.moments.weight;
@@ -434,7 +434,7 @@ class PolygonMerger::Impl {
           if (Misfit(member, surface, kLeaveFactor)) {
             still_here = true;
           } else {
-            member.surface = kNone;
+            member.surface = kNoSurface;
             homeless_.push_back({key, i});
           }
         }
@@ -446,7 +446,7 @@ class PolygonMerger::Impl {
   // --- outlines ---
 
   struct Piece {
-    SurfaceId surface = kNone;
+    SurfaceId surface = kNoSurface;
     PlanarShape shape;
     std::map<PolygonId, double> votes;  // area that was part of that polygon before
     std::vector<MemberRef> members;
@@ -521,7 +521,7 @@ class PolygonMerger::Impl {
         if (member.surface != id) continue;
         all += member.patch.area_m2;
         const auto covers = [&](const Member& other) {
-          if (other.surface == kNone || other.surface == id) return false;
+          if (other.surface == kNoSurface || other.surface == id) return false;
           const Surface& stronger = surfaces_.at(other.surface);
           if (stronger.moments.weight < kShadowStrength * surface.moments.weight) return false;
           if (stronger.plane_world.normal.dot(surface.plane_world.normal) < std::cos(kShadowAngle_rad))

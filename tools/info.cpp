@@ -6,13 +6,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "core/time.h"
+#include "core/angles.h"
 #include "datasets/file_bytes.h"
 #include "datasets/ground_truth.h"
 #include "datasets/image_file.h"
@@ -29,7 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMicro = 1e-6;
 
 std::string Count(std::size_t count, const char* noun) {
@@ -52,8 +51,8 @@ void PrintCameras(const StereoCalibration& calibration) {
               calibration.rectified() ? "already rectified" : "to be rectified");
   const Rectifier rectifier(calibration);
   const StereoCamera& camera = rectifier.camera();
-  const double view_x_deg = 2.0 * std::atan(0.5 * camera.width / camera.fx) * kDegrees;
-  const double view_y_deg = 2.0 * std::atan(0.5 * camera.height / camera.fy) * kDegrees;
+  const double view_x_deg = Degrees(2.0 * std::atan(0.5 * camera.width / camera.fx));
+  const double view_y_deg = Degrees(2.0 * std::atan(0.5 * camera.height / camera.fy));
   std::printf(
       "  rectified: f %.1f px, view %.0f x %.0f deg; a disparity of 128 px is %.2f m away, one of 1 px %.0f "
       "m\n",
@@ -65,7 +64,7 @@ void PrintCameras(const StereoCalibration& calibration) {
   const Eigen::Vector3d p_body_left = calibration.T_body_rawleft->translation();
   const Eigen::Vector3d forward_body =
       calibration.T_body_rawleft->linear() * rectifier.R_rect_raw().transpose() * Eigen::Vector3d::UnitZ();
-  const double pitch_deg = std::asin(std::clamp(forward_body.z(), -1.0, 1.0)) * kDegrees;
+  const double pitch_deg = Degrees(std::asin(std::clamp(forward_body.z(), -1.0, 1.0)));
   std::printf("  body: left camera at (%.3f, %.3f, %.3f) m, looks %.1f deg %s the body's x-y plane\n",
               p_body_left.x(), p_body_left.y(), p_body_left.z(), std::abs(pitch_deg),
               pitch_deg < 0 ? "below" : "above");
@@ -177,7 +176,7 @@ void PrintStats(const ReplayStats& stats) {
               static_cast<long long>(stats.dropped), stats.rate_hz, stats.peak_rss_mib);
   const Eigen::Vector3d& down = stats.gravity.down_world;
   std::printf("  up: from %s, %.2f +- %.2f deg off z\n", Name(stats.gravity.source),
-              std::acos(std::clamp(-down.z(), -1.0, 1.0)) * kDegrees, stats.gravity.sigma_rad * kDegrees);
+              Degrees(std::acos(std::clamp(-down.z(), -1.0, 1.0))), Degrees(stats.gravity.sigma_rad));
   std::printf("  octree: %lld cells, %.1f MiB with the regions\n", static_cast<long long>(stats.map_cells),
               Mebibytes(static_cast<double>(stats.map_bytes)));
 }

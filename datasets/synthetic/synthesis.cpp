@@ -5,12 +5,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdarg>
-#include <cstdio>
 #include <limits>
 
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
+#include "core/print.h"
 #include "datasets/file_bytes.h"
 #include "datasets/image_file.h"
 #include "datasets/synthetic/hash.h"
@@ -37,12 +37,10 @@ class TextFile {
  public:
   explicit TextFile(fs::path path) : path_(std::move(path)) {}
   [[gnu::format(printf, 2, 3)]] void Line(const char* format, ...) {
-    char line[512];
-    va_list arguments;
+    std::va_list arguments;
     va_start(arguments, format);
-    const int length = std::vsnprintf(line, sizeof line, format, arguments);
+    PrintArguments(&text_, format, arguments);
     va_end(arguments);
-    text_.append(line, static_cast<std::size_t>(std::clamp(length, 0, static_cast<int>(sizeof line) - 1)));
     text_ += '\n';
   }
   void Write() const {
