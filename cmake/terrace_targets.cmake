@@ -6,6 +6,8 @@ add_library(terrace::options ALIAS terrace_options)
 # No fused multiply-add behind our back: the same input must give the same bits on every processor.
 target_compile_options(terrace_options INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers
                                                  $<$<BOOL:${TERRACE_WERROR}>:-Werror>
+                                                 # Where several files are compiled as one, GCC takes them for headers.
+                                                 $<$<AND:$<BOOL:${CMAKE_UNITY_BUILD}>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>
                                                  $<$<BOOL:${TERRACE_NATIVE}>:-march=native>)
 if(TERRACE_SANITIZE)
   # GCC takes what the sanitizers insert for reads of unset variables; the presets' -O1 keeps the tests within minutes.

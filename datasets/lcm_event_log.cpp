@@ -28,6 +28,14 @@ void AppendBigEndian(std::int64_t value, int size, std::vector<std::uint8_t>* ou
 
 }  // namespace
 
+bool BeginsLikeLcmLog(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, kSyncWord.size()> head{};
+  file.read(head.data(), head.size());
+  return file && std::equal(kSyncWord.begin(), kSyncWord.end(), head.begin(),
+                            [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
+}
+
 LcmEventReader::LcmEventReader(const std::filesystem::path& path) : in_(path, std::ios::binary) {
   std::error_code error;
   file_bytes_ = static_cast<std::int64_t>(std::filesystem::file_size(path, error));

@@ -10,6 +10,9 @@
 
 namespace terrace {
 
+/// Whether the file begins with the word that begins every event of an LCM log.
+bool BeginsLikeLcmLog(const std::filesystem::path& path);
+
 /// One message in a log file.
 struct LcmEvent {
   std::int64_t offset = 0;  ///< where it begins in the file

@@ -1,28 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/sequence.h"
 
-#include <array>
-#include <fstream>
-
 #include "core/check.h"
 #include "datasets/euroc.h"
 #include "datasets/kitti.h"
+#include "datasets/lcm_event_log.h"
 #include "datasets/lcm_log.h"
 
 namespace terrace {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Every event of an LCM log begins with this word.
-bool BeginsLikeAnLcmLog(const fs::path& path) {
-  constexpr std::array<unsigned char, 4> kSyncWord = {0xed, 0xa1, 0xda, 0x01};
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 4> head{};
-  file.read(head.data(), head.size());
-  return file && std::equal(kSyncWord.begin(), kSyncWord.end(), head.begin(),
-                            [](unsigned char a, char b) { return a == static_cast<unsigned char>(b); });
-}
 
 std::unique_ptr<Sequence> OpenAs(SequenceKind kind, const fs::path& path) {
   switch (kind) {
@@ -56,7 +44,7 @@ std::optional<SequenceKind> RecogniseSequence(const fs::path& path) {
   for (const char* folder : {"image_0", "image_1", "image_2", "image_3"}) {
     if (fs::is_directory(path / folder, error)) return SequenceKind::kKitti;
   }
-  if (fs::is_regular_file(path, error) && BeginsLikeAnLcmLog(path)) return SequenceKind::kLcmLog;
+  if (fs::is_regular_file(path, error) && BeginsLikeLcmLog(path)) return SequenceKind::kLcmLog;
   return std::nullopt;
 }
 

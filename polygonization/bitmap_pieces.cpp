@@ -12,7 +12,7 @@
 namespace terrace {
 namespace {
 
-constexpr int kNone = -1;
+constexpr int kNoPiece = -1;
 
 /// Which ways the edge of a piece leaves each corner inside a box.
 class EdgeField {
@@ -32,7 +32,7 @@ class EdgeField {
     static constexpr std::array<int, 4> kDx{1, 0, -1, 0};
     static constexpr std::array<int, 4> kDy{0, 1, 0, -1};
     std::vector<cv::Point> ring;
-    int last = kNone;
+    int last = kNoPiece;
     while (Any(x, y)) {
       int direction = 0;
       while ((At(x, y) >> direction & 1U) == 0) ++direction;
@@ -78,7 +78,7 @@ void BitmapPieces::FindRuns(const cv::Mat1b& bitmap) {
     };
     for (const std::uint8_t* begin = find(row, 255); begin != row_end;) {
       const std::uint8_t* end = find(begin, 0);
-      runs_.push_back({y, static_cast<int>(begin - row), static_cast<int>(end - row), kNone});
+      runs_.push_back({y, static_cast<int>(begin - row), static_cast<int>(end - row), kNoPiece});
       begin = find(end, 255);
     }
   }
@@ -128,11 +128,11 @@ void BitmapPieces::FindPieces() {
 }
 
 int BitmapPieces::PieceAt(int x, int y) const {
-  if (y < 0 || y + 1 >= static_cast<int>(first_run_.size())) return kNone;
+  if (y < 0 || y + 1 >= static_cast<int>(first_run_.size())) return kNoPiece;
   const auto row_end = runs_.begin() + first_run_[y + 1];
   const auto run = std::upper_bound(runs_.begin() + first_run_[y], row_end, x,
                                     [](int value, const Run& r) { return value < r.end; });
-  return run != row_end && run->begin <= x ? run->piece : kNone;
+  return run != row_end && run->begin <= x ? run->piece : kNoPiece;
 }
 
 std::vector<int> BitmapPieces::CountSet(const cv::Mat1b& bitmap) const {

@@ -2,13 +2,13 @@
 #include "stereo/disparity_filters.h"
 
 #include <cmath>
-#include <limits>
 #include <vector>
+
+#include "stereo/unknown_disparity.h"
 
 namespace terrace {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Runs of connected pixels, joined to pieces by union-find.
 class Pieces {
@@ -75,7 +75,7 @@ void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity) 
   for (int v = 0; v < disparity.rows; ++v)
     for (std::size_t j = row_begin[v]; j < row_begin[v + 1]; ++j)
       if (pieces.SizeOf(runs[j].piece) < min_pixels)
-        std::fill(disparity[v] + runs[j].begin, disparity[v] + runs[j].end, kUnknown);
+        std::fill(disparity[v] + runs[j].begin, disparity[v] + runs[j].end, kUnknownDisparity);
 }
 
 }  // namespace terrace

@@ -14,11 +14,11 @@
 #include "stereo/half_resolution.h"
 #include "stereo/refinement.h"
 #include "stereo/semi_global.h"
+#include "stereo/unknown_disparity.h"
 
 namespace terrace {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr int kRangeStep = 16;  // of the settings
 
 std::vector<CensusPair> CensusByName(const std::string& name) {
@@ -123,8 +123,8 @@ class DisparityMatcher::Impl {
   /// Matches a cut of the images that has all that the region needs around it.
   DisparityImage MatchRegion(const StereoFrame& frame, const DisparityPrior* prior, const cv::Rect& region) {
     constexpr int kTilePx = DisparityPrior::kTilePx;
-    DisparityImage result{frame.frame_id, frame.t_capture, cv::Mat1f(frame.left.size(), kUnknown),
-                          cv::Mat1f(frame.left.size(), kUnknown)};
+    DisparityImage result{frame.frame_id, frame.t_capture, cv::Mat1f(frame.left.size(), kUnknownDisparity),
+                          cv::Mat1f(frame.left.size(), kUnknownDisparity)};
     if (region.empty()) return result;
     // From whole tiles on, so that a prior can be cut, too.
     const int left = std::max(region.x - kAroundRegionPx - config_.max_disparity_px, 0) / kTilePx * kTilePx;
@@ -221,7 +221,7 @@ class DisparityMatcher::Impl {
     const int range = config_.max_disparity_px <= 32 ? 16 : (config_.max_disparity_px / 2 + 31) / 32 * 32;
     half_matcher_.Match(half_left_, half_right_, range, half_disparity_, Expect(prior, frame, range));
     if (2 * range > config_.max_disparity_px)
-      half_disparity_.setTo(kUnknown, half_disparity_ > 0.5 * config_.max_disparity_px);
+      half_disparity_.setTo(kUnknownDisparity, half_disparity_ > 0.5 * config_.max_disparity_px);
     RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
     half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr);
     DoubleDisparity(half_disparity_, disparity);

@@ -6,7 +6,6 @@
 #include <bit>
 #include <cstdlib>
 #include <cstring>
-#include <limits>
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
@@ -14,12 +13,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "stereo/unknown_disparity.h"
 #include "stereo/vector_minimum-inl.h"
 
 #ifndef TERRACE_STEREO_WINNER_ONCE_
 #define TERRACE_STEREO_WINNER_ONCE_
 namespace terrace {
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr std::uint8_t kSaturated = 255;  // a sum that may stand for anything above
 }  // namespace terrace
 #endif
@@ -143,7 +142,7 @@ void DisparitiesOfRow(const SumsRow& row, const WinnersRow& winners, const std::
   const hn::RebindToSigned<decltype(df)> di;
   const hn::Rebind<std::int16_t, decltype(df)> d16;
   const hn::Rebind<std::uint8_t, decltype(df)> d8;
-  const auto half = hn::Set(df, 0.5f), one = hn::Set(df, 1.0f), unknown = hn::Set(df, kUnknown);
+  const auto half = hn::Set(df, 0.5f), one = hn::Set(df, 1.0f), unknown = hn::Set(df, kUnknownDisparity);
   const auto saturated = hn::Set(di, kSaturated), error = hn::Set(di, max_error + 1);
   const auto bytes = [&](const std::uint8_t* p) HWY_ATTR { return hn::PromoteTo(di, hn::LoadU(d8, p)); };
   for (int u = 0; u < row.width; u += static_cast<int>(hn::Lanes(df))) {
@@ -213,7 +212,7 @@ void WinnerChooser::Choose(const SumsRow& row, float* disparity) {
   disparity_.resize(padded_width);
   const int max_error = rules_.max_left_right_error >= 0 ? rules_.max_left_right_error : -2 * kNobody;
   HWY_DYNAMIC_DISPATCH(DisparitiesOfRow)(row, winners, right_disparity, max_error, disparity_.data());
-  std::fill_n(disparity_.begin(), std::min(kFirstChoice, row.width), kUnknown);
+  std::fill_n(disparity_.begin(), std::min(kFirstChoice, row.width), kUnknownDisparity);
   std::copy_n(disparity_.begin(), row.width, disparity);
 }
 

@@ -16,7 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kNsPerMs = 1'000'000;
 
 StereoCalibration SomeCalibration() {
   StereoCalibration calibration;
@@ -64,14 +64,14 @@ class LiveInputTest : public testing::Test {
 };
 
 TEST_F(LiveInputTest, ThrowsFramesAwayUntilTheCalibrationHasCome) {
-  Send(channels_.images, SomeImages(100 * kMs));
+  Send(channels_.images, SomeImages(100 * kNsPerMs));
   EXPECT_FALSE(input_->NextReady());
   Send(channels_.calibration, ToMessage(SomeCalibration(), {0}));
   ASSERT_TRUE(input_->calibration());
-  Send(channels_.images, SomeImages(200 * kMs, 64, ImageEncoding::kLossless));
+  Send(channels_.images, SomeImages(200 * kNsPerMs, 64, ImageEncoding::kLossless));
   const auto frame = input_->NextReady();
   ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->pair.t_capture.ns, 200 * kMs);
+  EXPECT_EQ(frame->pair.t_capture.ns, 200 * kNsPerMs);
   EXPECT_EQ(input_->num_bad_frames(), 0);
 }
 
@@ -88,11 +88,11 @@ TEST_F(LiveInputTest, WaitsForACalibrationThatMakesSenseAndSaysWhatIsWrong) {
 
 TEST_F(LiveInputTest, GivesSamplesToTheirFrames) {
   Listen(SomeCalibration());
-  Send(channels_.imu, ToMessage(ImuSample{{95 * kMs}, {1, 2, 3}, {4, 5, 6}}));
-  Send(channels_.body_prior, ToMessage(BodyPrior{{96 * kMs}}));
-  Send(channels_.images, SomeImages(100 * kMs));
+  Send(channels_.imu, ToMessage(ImuSample{{95 * kNsPerMs}, {1, 2, 3}, {4, 5, 6}}));
+  Send(channels_.body_prior, ToMessage(BodyPrior{{96 * kNsPerMs}}));
+  Send(channels_.images, SomeImages(100 * kNsPerMs));
   EXPECT_FALSE(input_->NextReady()) << "the IMU is not there yet";
-  Send(channels_.imu, ToMessage(ImuSample{{100 * kMs}}));
+  Send(channels_.imu, ToMessage(ImuSample{{100 * kNsPerMs}}));
   const auto frame = input_->NextReady();
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->samples.imu.size(), 2u);
@@ -102,8 +102,8 @@ TEST_F(LiveInputTest, GivesSamplesToTheirFrames) {
 TEST_F(LiveInputTest, TakesPosesOfTheRobotForPriorsOnTheChannelThatIsSetForThem) {
   channels_.body_pose = "POSE_BODY";
   Listen(SomeCalibration());
-  Send("POSE_BODY", ToMessage(Timestamp{90 * kMs}, Eigen::Isometry3d::Identity()));
-  Send(channels_.images, SomeImages(100 * kMs));
+  Send("POSE_BODY", ToMessage(Timestamp{90 * kNsPerMs}, Eigen::Isometry3d::Identity()));
+  Send(channels_.images, SomeImages(100 * kNsPerMs));
   const auto frame = input_->NextReady();
   ASSERT_TRUE(frame);
   ASSERT_EQ(frame->samples.priors.size(), 1u);
@@ -112,8 +112,8 @@ TEST_F(LiveInputTest, TakesPosesOfTheRobotForPriorsOnTheChannelThatIsSetForThem)
 
 TEST_F(LiveInputTest, PassesBadPairsOnAndCountsThem) {
   Listen(SomeCalibration());
-  Send(channels_.images, SomeImages(100 * kMs, 32));
-  Send(channels_.images, ToMessage(StereoPair{{200 * kMs}, {}, {}, "no light"}, ImageEncoding::kRaw));
+  Send(channels_.images, SomeImages(100 * kNsPerMs, 32));
+  Send(channels_.images, ToMessage(StereoPair{{200 * kNsPerMs}, {}, {}, "no light"}, ImageEncoding::kRaw));
   EXPECT_THAT(input_->NextReady()->pair.problem, HasSubstr("32x48"));
   EXPECT_THAT(input_->NextReady()->pair.problem, HasSubstr("no light"));
   EXPECT_EQ(input_->num_bad_frames(), 2);

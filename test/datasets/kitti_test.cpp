@@ -17,7 +17,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::string Problem(const fs::path& path) {
+std::string KittiProblem(const fs::path& path) {
   try {
     OpenKittiSequence(path);
   } catch (const SequenceError& error) {
@@ -107,7 +107,7 @@ TEST(KittiTest, NamesEveryProblemAtOnce) {
   fs::remove(folder.path() / "calib.txt");
   fs::remove(folder.path() / "times.txt");
   fs::remove_all(folder.path() / "image_1");
-  EXPECT_THAT(Problem(folder.path()),
+  EXPECT_THAT(KittiProblem(folder.path()),
               AllOf(HasSubstr("calib.txt: no such file"), HasSubstr("times.txt: no such file"),
                     HasSubstr("image_1: no such folder")));
 }
@@ -118,16 +118,16 @@ TEST(KittiTest, RefusesSenselessCalibrationWithFileAndRule) {
   const fs::path calib = folder.path() / "calib.txt";
   const std::string P0 = "P0: 30 0 15.5 0 0 30 11.5 0 0 0 1 0\n";
   WriteText(calib, P0 + "P1: 30 0 15.5 16.2 0 30 11.5 0 0 0 1 0\n");
-  EXPECT_THAT(Problem(folder.path()),
+  EXPECT_THAT(KittiProblem(folder.path()),
               AllOf(HasSubstr("calib.txt"), HasSubstr("are left and right swapped?")));
   WriteText(calib, P0 + "P1: 30 0 15.5 0 0 30 11.5 0 0 0 1 0\n");
-  EXPECT_THAT(Problem(folder.path()), HasSubstr("calib.txt: baseline of 0 m"));
+  EXPECT_THAT(KittiProblem(folder.path()), HasSubstr("calib.txt: baseline of 0 m"));
   WriteText(calib, P0 + "P1: 0 0 15.5 -16.2 0 0 11.5 0 0 0 1 0\n");
-  EXPECT_THAT(Problem(folder.path()), HasSubstr("calib.txt: right camera: fx = 0"));
+  EXPECT_THAT(KittiProblem(folder.path()), HasSubstr("calib.txt: right camera: fx = 0"));
   WriteText(calib, P0);
-  EXPECT_THAT(Problem(folder.path()), HasSubstr("calib.txt: holds no line P1: with 12 numbers"));
+  EXPECT_THAT(KittiProblem(folder.path()), HasSubstr("calib.txt: holds no line P1: with 12 numbers"));
   WriteText(calib, "P0: 1 2 3\nP1: nonsense\n");
-  EXPECT_THAT(Problem(folder.path()), HasSubstr("calib.txt: no line holds P0: to P3: with 12 numbers"));
+  EXPECT_THAT(KittiProblem(folder.path()), HasSubstr("calib.txt: no line holds P0: to P3: with 12 numbers"));
 }
 
 TEST(KittiTest, RefusesPairsOfDifferentSize) {
@@ -136,7 +136,7 @@ TEST(KittiTest, RefusesPairsOfDifferentSize) {
   for (int i = 0; i < kSmallFrames; ++i) {
     WritePng(folder.path() / "image_1" / ("00000" + std::to_string(i) + ".png"), SmallImage(i, 20, 24));
   }
-  EXPECT_THAT(Problem(folder.path()), HasSubstr("image of 20x24, must be 32x24"));
+  EXPECT_THAT(KittiProblem(folder.path()), HasSubstr("image of 20x24, must be 32x24"));
 }
 
 }  // namespace

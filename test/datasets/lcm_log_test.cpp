@@ -13,6 +13,7 @@
 #include "datasets/lcm_event_log.h"
 #include "datasets/lcm_log_writer.h"
 #include "lcmtypes/codec.h"
+#include "test/datasets/temporary_folder.h"
 #include "test/datasets/tiny_euroc.h"
 
 namespace terrace {
@@ -120,7 +121,7 @@ class LcmLogTest : public testing::Test {
   }
   fs::path Log() const { return temporary_.path() / "a.lcmlog"; }
 
-  TemporaryFolder temporary_{"terrace_lcm_log_test"};
+  TemporaryFolder temporary_;
 };
 
 TEST_F(LcmLogTest, ReplaysToTheVeryFramesOfTheFolderItWasMadeFrom) {
@@ -205,7 +206,7 @@ TEST_F(LcmLogTest, SkipsDamageAndForeignTypes) {
   {
     // Someone else's message on one of our channels, and one of ours on someone else's.
     std::ofstream(Log(), std::ios::binary | std::ios::app) << [] {
-      TemporaryFolder other("terrace_foreign");
+      const TemporaryFolder other;
       LcmEventWriter writer(other.path() / "log");
       const std::vector<std::uint8_t> no_type(20, 7);
       writer.Write(1, "TERRACE_IMU", no_type);
@@ -272,7 +273,7 @@ TEST_F(LcmLogTest, LeavesOutPairsWhoseTimeDoesNotRise) {
 TEST(LcmLogOfRecordingsTest, GivesTheFramesOfEveryRecording) {
   const char* data = std::getenv("TERRACE_DATA");
   if (data == nullptr) GTEST_SKIP() << "TERRACE_DATA is not set";
-  const TemporaryFolder temporary("terrace_lcm_log_test");
+  const TemporaryFolder temporary;
   for (const char* name : {"corridor_stairs", "euroc_mh01", "kitti_00"}) {
     constexpr int kFrames = 3;
     Convert(fs::path(data) / name, temporary.path() / name, ImageEncoding::kLossless, kFrames);

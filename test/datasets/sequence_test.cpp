@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::string Problem(const fs::path& path) {
+std::string ProblemOf(const fs::path& path) {
   try {
     OpenSequence(path);
   } catch (const SequenceError& error) {
@@ -40,12 +40,12 @@ TEST(SequenceTest, RecognisesFoldersByWhatTheyHold) {
 
 TEST(SequenceTest, SaysInOneSentenceWhatASequenceIs) {
   const TemporaryFolder folder;
-  EXPECT_THAT(Problem(folder.path() / "none"), HasSubstr("none: no such file or folder"));
-  EXPECT_THAT(Problem(folder.path()), HasSubstr("not a sequence; must be an EuRoC ASL folder (holds mav0/)"));
+  EXPECT_THAT(ProblemOf(folder.path() / "none"), HasSubstr("none: no such file or folder"));
+  EXPECT_THAT(ProblemOf(folder.path()), HasSubstr("not a sequence; must be an EuRoC ASL folder (holds mav0/)"));
   WriteText(folder.path() / "note.txt", "hello");
-  EXPECT_THAT(Problem(folder.path() / "note.txt"), HasSubstr("not a sequence"));
-  EXPECT_THAT(Problem("/dev/zero"), HasSubstr("not a sequence"));
-  EXPECT_THAT(Problem(""), HasSubstr("no such file or folder"));
+  EXPECT_THAT(ProblemOf(folder.path() / "note.txt"), HasSubstr("not a sequence"));
+  EXPECT_THAT(ProblemOf("/dev/zero"), HasSubstr("not a sequence"));
+  EXPECT_THAT(ProblemOf(""), HasSubstr("no such file or folder"));
 }
 
 TEST(SequenceTest, NamesAFolderThatCannotBeLookedInto) {
@@ -53,7 +53,7 @@ TEST(SequenceTest, NamesAFolderThatCannotBeLookedInto) {
   WriteSmallEuroc(folder.path());
   fs::remove_all(folder.path() / "mav0" / "imu0");
   fs::create_symlink("imu0", folder.path() / "mav0" / "imu0");
-  EXPECT_THAT(Problem(folder.path()), HasSubstr("mav0/imu0: Too many levels of symbolic links"));
+  EXPECT_THAT(ProblemOf(folder.path()), HasSubstr("mav0/imu0: Too many levels of symbolic links"));
 }
 
 /// What is known of a recording without reading it.

@@ -11,23 +11,6 @@
 
 namespace terrace {
 
-/// A folder of its own for one test, gone at the end.
-class TemporaryFolder {
- public:
-  explicit TemporaryFolder(const std::string& name)
-      : path_(std::filesystem::temp_directory_path() /
-              (name + "." + std::to_string(std::random_device()()))) {
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  const std::filesystem::path path_;
-};
-
 /// Writes an EuRoC ASL folder of a few small pairs with everything in it that a log must carry: a raw
 /// calibration with awkward digits, a mounting, IMU with noise, attitude, legs, true poses, and nanoseconds
 /// that are no whole microseconds. Frame `bad_frame` cannot be read; -1: all can.

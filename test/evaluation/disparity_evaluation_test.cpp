@@ -14,7 +14,7 @@
 namespace terrace {
 namespace {
 
-constexpr double kExact = 1e-6;
+constexpr double kFloatExact = 1e-6;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 FloatImage Row(const std::vector<float>& values) {
@@ -94,16 +94,16 @@ TEST(DisparityErrorsTest, CountsBadMissingAndInventedPixels) {
   DisparityErrors errors;
   errors.Add(Row({10, 10.6F, 8.8F, 12.5F, 14, kNaN, 10, kNaN, 33}), truth);
   EXPECT_EQ(errors.num_visible(), 6);
-  EXPECT_NEAR(errors.density_pct(), 100 * 5.0 / 6, kExact);
-  EXPECT_NEAR(errors.bad_valid_pct(0.5), 80, kExact);
-  EXPECT_NEAR(errors.bad_valid_pct(1.0), 60, kExact);
-  EXPECT_NEAR(errors.bad_valid_pct(2.0), 40, kExact);
-  EXPECT_NEAR(errors.bad_all_pct(2.0), 50, kExact);  // the missing one is wrong
-  EXPECT_NEAR(errors.d1_valid_pct(), 20, kExact);    // 4 px is more than 3 and more than 5 %
-  EXPECT_NEAR(errors.d1_all_pct(), 100 * 2.0 / 6, kExact);
+  EXPECT_NEAR(errors.density_pct(), 100 * 5.0 / 6, kFloatExact);
+  EXPECT_NEAR(errors.bad_valid_pct(0.5), 80, kFloatExact);
+  EXPECT_NEAR(errors.bad_valid_pct(1.0), 60, kFloatExact);
+  EXPECT_NEAR(errors.bad_valid_pct(2.0), 40, kFloatExact);
+  EXPECT_NEAR(errors.bad_all_pct(2.0), 50, kFloatExact);  // the missing one is wrong
+  EXPECT_NEAR(errors.d1_valid_pct(), 20, kFloatExact);    // 4 px is more than 3 and more than 5 %
+  EXPECT_NEAR(errors.d1_all_pct(), 100 * 2.0 / 6, kFloatExact);
   EXPECT_NEAR(errors.average_px(), (0.6 + 1.2 + 2.5 + 4) / 5, 1e-5);
   EXPECT_NEAR(errors.rms_px(), std::sqrt((0.36 + 1.44 + 6.25 + 16) / 5), 1e-5);
-  EXPECT_NEAR(errors.invented_pct(), 50, kExact);
+  EXPECT_NEAR(errors.invented_pct(), 50, kFloatExact);
 }
 
 TEST(DisparityErrorsTest, ForgivesD1WithinFivePercent) {
@@ -167,17 +167,17 @@ TEST(DisparityTruthTest, TurnsPlanesIntoDisparitiesAndBack) {
 
 TEST_F(SmallView, GivesPerfectMarksToTheTruth) {
   const DisparityEvaluation evaluation = Evaluate(truth_.disparity.disparity_px);
-  EXPECT_NEAR(evaluation.errors.density_pct(), 100, kExact);
-  EXPECT_NEAR(evaluation.errors.average_px(), 0, kExact);
+  EXPECT_NEAR(evaluation.errors.density_pct(), 100, kFloatExact);
+  EXPECT_NEAR(evaluation.errors.average_px(), 0, kFloatExact);
   // Truth has a value on hidden pixels too; a matcher must not.
-  EXPECT_NEAR(evaluation.errors.invented_pct(), 100, kExact);
+  EXPECT_NEAR(evaluation.errors.invented_pct(), 100, kFloatExact);
   EXPECT_EQ(evaluation.planes.size(), 2u);
   EXPECT_NEAR(evaluation.Planes({}, 10).offset_px, 0, 1e-5);
   EXPECT_NEAR(evaluation.Planes({}, 10).angle_deg, 0, 1e-3);
   // The board is 0.55 m wide and 0.5 m high: 55 columns, 50 rows; two edges each.
   EXPECT_NEAR(static_cast<double>(evaluation.edges.size()), 2 * (55 + 50), 4);
   // Pixels are whole, the edge is not: at best up to half a pixel.
-  for (const EdgeFit& edge : evaluation.edges) EXPECT_LE(edge.distance_px, 0.5 + kExact);
+  for (const EdgeFit& edge : evaluation.edges) EXPECT_LE(edge.distance_px, 0.5 + kFloatExact);
 }
 
 TEST_F(SmallView, MeasuresAnOffsetOfATenthOfAPixel) {
@@ -209,7 +209,7 @@ TEST_F(SmallView, MeasuresForegroundThatIsThreePixelsTooFat) {
     if (edge.distance_px > 1.0) left_and_right.push_back(edge.distance_px);
   }
   EXPECT_NEAR(static_cast<double>(left_and_right.size()), 100, 2);  // the rows, at both sides
-  for (double distance_px : left_and_right) EXPECT_NEAR(distance_px, 3.0, 0.5 + kExact);
+  for (double distance_px : left_and_right) EXPECT_NEAR(distance_px, 3.0, 0.5 + kFloatExact);
 }
 
 TEST_F(SmallView, ToleratesOutliersInAPlane) {

@@ -8,13 +8,13 @@
 
 #include <gtest/gtest.h>
 
+#include "test/evaluation/exact.h"
 #include "test/evaluation/small_world.h"
 
 namespace terrace {
 namespace {
 
 constexpr double kCell_m2 = 0.0016;
-constexpr double kExact = 1e-9;
 
 MapEvaluation Evaluate(const TerrainMap& map, const TrueScene& truth,
                        const MapEvaluationOptions& options = {}) {

@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "test/evaluation/exact.h"
 #include "test/evaluation/small_world.h"
 
 namespace terrace {
 namespace {
 
-constexpr double kExact = 1e-9;
 
 /// The camera walks along x towards the foot edge at x = 4, 1 m each second, from x = 0.
 std::vector<TimedPose> Approach() {

@@ -6,11 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "datasets/file_bytes.h"
+#include "test/evaluation/exact.h"
 
 namespace terrace {
 namespace {
 
-constexpr double kExact = 1e-9;
 
 Timestamp TimeOf(int frame) { return {1'600'000'000'000'000'000 + frame * 100'000'000LL}; }
 

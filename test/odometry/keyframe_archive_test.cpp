@@ -4,15 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "odometry/rotation.h"
+#include "test/odometry/test_cameras.h"
 #include "textured_image.h"
 
 namespace terrace {
 namespace {
 
-const StereoCamera kCamera{320, 240, 200.0, 200.0, 159.5, 119.5, 0.12};
-
 ImagePyramid TexturedPyramid(double du, double dv) {
-  cv::Mat1b image(kCamera.height, kCamera.width);
+  cv::Mat1b image(kHalfVgaCamera.height, kHalfVgaCamera.width);
   for (int v = 0; v < image.rows; ++v)
     for (int u = 0; u < image.cols; ++u)
       image(v, u) = cv::saturate_cast<std::uint8_t>(Texture(u + du, v + dv));
@@ -26,11 +25,11 @@ std::vector<Landmark> GridOfLandmarks(double du, double dv) {
     for (int u = 60; u < 260; u += 16) {
       Landmark landmark;
       landmark.pixel_host << u - du, v - dv;
-      landmark.ray_host << (landmark.pixel_host.x() - kCamera.cx) / kCamera.fx,
-          (landmark.pixel_host.y() - kCamera.cy) / kCamera.fy, 1.0;
+      landmark.ray_host << (landmark.pixel_host.x() - kHalfVgaCamera.cx) / kHalfVgaCamera.fx,
+          (landmark.pixel_host.y() - kHalfVgaCamera.cy) / kHalfVgaCamera.fy, 1.0;
       landmark.disparity_host_px = 10.0;
       landmark.num_tracked = 10;
-      landmark.inverse_depth = 10.0 / (kCamera.fx * kCamera.baseline_m);
+      landmark.inverse_depth = 10.0 / (kHalfVgaCamera.fx * kHalfVgaCamera.baseline_m);
       landmarks.push_back(landmark);
     }
   }
@@ -38,7 +37,7 @@ std::vector<Landmark> GridOfLandmarks(double du, double dv) {
 }
 
 TEST(KeyframeArchiveTest, RecognisesAPlaceFromAsideOfIt) {
-  KeyframeArchive archive(kCamera, 10);
+  KeyframeArchive archive(kHalfVgaCamera, 10);
   Keyframe keyframe;
   keyframe.T_world_left.translation() << 5.0, 1.0, 0.0;
   keyframe.left = TexturedPyramid(0, 0);
@@ -54,7 +53,7 @@ TEST(KeyframeArchiveTest, RecognisesAPlaceFromAsideOfIt) {
 }
 
 TEST(KeyframeArchiveTest, DoesNotKeepWhatHasNotProvedToStandStill) {
-  KeyframeArchive archive(kCamera, 10);
+  KeyframeArchive archive(kHalfVgaCamera, 10);
   Keyframe keyframe;
   keyframe.left = TexturedPyramid(0, 0);
   std::vector<Landmark> landmarks = GridOfLandmarks(0, 0);
@@ -68,7 +67,7 @@ TEST(KeyframeArchiveTest, DoesNotKeepWhatHasNotProvedToStandStill) {
 }
 
 TEST(KeyframeArchiveTest, DoesNotRecogniseAnotherPlace) {
-  KeyframeArchive archive(kCamera, 10);
+  KeyframeArchive archive(kHalfVgaCamera, 10);
   Keyframe keyframe;
   keyframe.left = TexturedPyramid(0, 0);
   archive.Add(keyframe, GridOfLandmarks(0, 0), Matrix6d::Zero());
@@ -77,7 +76,7 @@ TEST(KeyframeArchiveTest, DoesNotRecogniseAnotherPlace) {
 }
 
 TEST(KeyframeArchiveTest, StaysBoundedAndKeepsTheFirstAndTheNewest) {
-  KeyframeArchive archive(kCamera, 20);
+  KeyframeArchive archive(kHalfVgaCamera, 20);
   Keyframe keyframe;
   keyframe.left = TexturedPyramid(0, 0);
   for (int i = 0; i < 200; ++i) {

@@ -6,11 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "odometry/rotation.h"
+#include "test/odometry/test_cameras.h"
 
 namespace terrace {
 namespace {
-
-const StereoCamera kCamera{640, 480, 400.0, 400.0, 319.5, 239.5, 0.12};
 
 std::vector<PoseConstraint> Points(const Eigen::Isometry3d& T_world_left, int num, int num_wrong,
                                    double noise_px) {
@@ -21,7 +20,7 @@ std::vector<PoseConstraint> Points(const Eigen::Isometry3d& T_world_left, int nu
   for (int i = 0; i < num; ++i) {
     const Eigen::Vector3d uvd(u(random), v(random), d(random));
     PoseConstraint c;
-    c.point_world = T_world_left * kCamera.Triangulate(uvd.x(), uvd.y(), uvd.z());
+    c.point_world = T_world_left * kVgaCamera.Triangulate(uvd.x(), uvd.y(), uvd.z());
     c.inverse_depth = 1.0;
     c.uvd = uvd + Eigen::Vector3d(noise(random), noise(random), noise(random));
     if (i < num_wrong) c.uvd += Eigen::Vector3d(15.0, -8.0, 3.0);  // all wrong ones agree with each other
@@ -37,7 +36,7 @@ TEST(PoseSolverTest, FindsThePoseAlthoughTwoFifthsOfThePointsMoveTogether) {
   const Eigen::Isometry3d truth = Perturb(Eigen::Isometry3d::Identity(), motion);
   PosePrior prior;
   prior.information.diagonal().setConstant(1.0 / 0.04);
-  const PoseSolution solution = SolvePose(Points(truth, 120, 48, 0.2), prior, kCamera, 3);
+  const PoseSolution solution = SolvePose(Points(truth, 120, 48, 0.2), prior, kVgaCamera, 3);
   const Vector6d error = StepBetween(truth, solution.T_world_left);
   EXPECT_LT(error.head<3>().norm(), 0.002);
   EXPECT_LT(error.tail<3>().norm(), 0.005);
@@ -49,7 +48,7 @@ TEST(PoseSolverTest, ClaimsTheErrorsItMakes) {
   PosePrior prior;
   prior.information.diagonal().setConstant(1.0);
   const Eigen::Isometry3d truth = Eigen::Isometry3d::Identity();
-  const PoseSolution solution = SolvePose(Points(truth, 200, 0, 0.2), prior, kCamera, 3);
+  const PoseSolution solution = SolvePose(Points(truth, 200, 0, 0.2), prior, kVgaCamera, 3);
   const Vector6d error = StepBetween(truth, solution.T_world_left);
   const double normalised = error.dot(solution.information * error);
   EXPECT_LT(normalised, 20.0);  // six degrees of freedom
@@ -60,8 +59,8 @@ TEST(PoseSolverTest, GivesTheSameBitsTwice) {
   PosePrior prior;
   prior.information.diagonal().setConstant(1.0);
   const auto points = Points(Eigen::Isometry3d::Identity(), 100, 30, 0.3);
-  const PoseSolution a = SolvePose(points, prior, kCamera, 11);
-  const PoseSolution b = SolvePose(points, prior, kCamera, 11);
+  const PoseSolution a = SolvePose(points, prior, kVgaCamera, 11);
+  const PoseSolution b = SolvePose(points, prior, kVgaCamera, 11);
   EXPECT_EQ(a.T_world_left.matrix(), b.T_world_left.matrix());
   EXPECT_EQ(a.inlier, b.inlier);
 }

@@ -10,11 +10,11 @@
 #include "odometry/covariance.h"
 #include "odometry/pose_solver.h"
 #include "odometry/rotation.h"
+#include "test/odometry/test_cameras.h"
 
 namespace terrace {
 namespace {
 
-const StereoCamera kCamera{640, 480, 400.0, 400.0, 319.5, 239.5, 0.12};
 constexpr double kNoisePx = 0.15;
 constexpr double kFb = 400.0 * 0.12;
 
@@ -38,15 +38,15 @@ Window DisturbedWindow(std::vector<Eigen::Isometry3d>* truth) {
       Landmark landmark;
       landmark.host = k;
       landmark.pixel_host << u(random), v(random);
-      landmark.ray_host << (landmark.pixel_host.x() - kCamera.cx) / kCamera.fx,
-          (landmark.pixel_host.y() - kCamera.cy) / kCamera.fy, 1.0;
+      landmark.ray_host << (landmark.pixel_host.x() - kVgaCamera.cx) / kVgaCamera.fx,
+          (landmark.pixel_host.y() - kVgaCamera.cy) / kVgaCamera.fy, 1.0;
       const double disparity = d(random);
       landmark.inverse_depth = disparity / kFb;
       for (int t = k + 1; t < 4; ++t) {
         Projection projection;
         const Eigen::Isometry3d T =
             (*truth)[static_cast<std::size_t>(t)].inverse() * (*truth)[static_cast<std::size_t>(k)];
-        if (!Project(landmark, T, kCamera, projection)) continue;
+        if (!Project(landmark, T, kVgaCamera, projection)) continue;
         Observation observation;
         observation.keyframe = t;
         observation.measurement.uvd =
@@ -84,8 +84,8 @@ struct AutomaticReprojection {
     for (int i = 0; i < 3; ++i) apart[i] = world[i] + inverse_depth[0] * (host[3 + i] - target[3 + i]);
     const T back[3] = {-target[0], -target[1], -target[2]};
     ceres::AngleAxisRotatePoint(back, apart, q);
-    residual[0] = (kCamera.fx * q[0] / q[2] + kCamera.cx - measurement.uvd.x()) / kNoisePx;
-    residual[1] = (kCamera.fy * q[1] / q[2] + kCamera.cy - measurement.uvd.y()) / kNoisePx;
+    residual[0] = (kVgaCamera.fx * q[0] / q[2] + kVgaCamera.cx - measurement.uvd.x()) / kNoisePx;
+    residual[1] = (kVgaCamera.fy * q[1] / q[2] + kVgaCamera.cy - measurement.uvd.y()) / kNoisePx;
     residual[2] = (kFb * inverse_depth[0] / q[2] - measurement.uvd.z()) / kNoisePx;
     return true;
   }
@@ -145,7 +145,7 @@ TEST(WindowOptimizerTest, FindsTheSameOptimumAsCeresWithAutomaticDerivatives) {
   std::vector<Eigen::Isometry3d> truth;
   Window window = DisturbedWindow(&truth);
   const std::vector<Eigen::Isometry3d> reference = SolvedByCeres(window);
-  WindowOptimizer optimizer(kCamera, std::nullopt);
+  WindowOptimizer optimizer(kVgaCamera, std::nullopt);
   optimizer.Start(window.keyframes.front(), Matrix6d::Zero(), 0.1);
   Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
   for (int round = 0; round < 5; ++round) optimizer.Optimize(window, down, 1.0, 10);
@@ -159,7 +159,7 @@ TEST(WindowOptimizerTest, FindsTheSameOptimumAsCeresWithAutomaticDerivatives) {
 TEST(WindowOptimizerTest, WhatLeavesTheWindowStillHoldsTheRestInPlace) {
   std::vector<Eigen::Isometry3d> truth;
   Window window = DisturbedWindow(&truth);
-  WindowOptimizer optimizer(kCamera, std::nullopt);
+  WindowOptimizer optimizer(kVgaCamera, std::nullopt);
   optimizer.Start(window.keyframes.front(), Matrix6d::Zero(), 0.1);
   Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
   for (int round = 0; round < 5; ++round) optimizer.Optimize(window, down, 1.0, 10);
@@ -177,7 +177,7 @@ TEST(WindowOptimizerTest, WhatLeavesTheWindowStillHoldsTheRestInPlace) {
 TEST(WindowOptimizerTest, ClaimsTheErrorsItMakes) {
   std::vector<Eigen::Isometry3d> truth;
   Window window = DisturbedWindow(&truth);
-  WindowOptimizer optimizer(kCamera, std::nullopt);
+  WindowOptimizer optimizer(kVgaCamera, std::nullopt);
   optimizer.Start(window.keyframes.front(), Matrix6d::Zero(), 0.1);
   Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
   optimizer.Optimize(window, down, 1.0, 20);

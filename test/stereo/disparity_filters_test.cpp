@@ -2,16 +2,16 @@
 #include "stereo/disparity_filters.h"
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "stereo/unknown_disparity.h"
+
 namespace terrace {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Size of each pixel's piece by flooding from it.
 int SlowPieceSize(const cv::Mat1f& disparity, int u, int v, float max_difference) {
@@ -37,7 +37,7 @@ int SlowPieceSize(const cv::Mat1f& disparity, int u, int v, float max_difference
 TEST(RemoveSpecklesTest, RemovesWhatFloodingFindsTooSmall) {
   std::mt19937 random(5);
   cv::Mat1f disparity(24, 31);
-  for (auto& d : disparity) d = random() % 5 == 0 ? kUnknown : static_cast<float>(random() % 4);
+  for (auto& d : disparity) d = random() % 5 == 0 ? kUnknownDisparity : static_cast<float>(random() % 4);
   cv::Mat1f filtered = disparity.clone();
   RemoveSpeckles(6, 1.0f, filtered);
   for (int v = 0; v < disparity.rows; ++v)

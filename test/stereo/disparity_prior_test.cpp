@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stereo/disparity_prior.h"
 
-#include <limits>
 
 #include <gtest/gtest.h>
+
+#include "stereo/unknown_disparity.h"
 
 namespace terrace {
 namespace {
 
 const StereoCamera kCamera{160, 96, 100.0, 100.0, 79.5, 47.5, 0.12};
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// A wall across the view.
 DisparityImage Wall(double depth_m) {
@@ -46,7 +46,7 @@ TEST(DisparityPriorTest, LeavesOpenWhatComesIntoView) {
 
 TEST(DisparityPriorTest, LeavesOpenWhatWasUnknownAndDoesNotBelieveASinglePixel) {
   DisparityImage earlier = Wall(1.0);
-  earlier.disparity_px(cv::Rect(32, 32, 32, 32)) = kUnknown;
+  earlier.disparity_px(cv::Rect(32, 32, 32, 32)) = kUnknownDisparity;
   earlier.disparity_px(12, 12) = 60.0f;
   const DisparityPrior prior = PredictDisparities(earlier, kCamera, Eigen::Isometry3d::Identity());
   EXPECT_FALSE(prior.At(1, 1).known());

@@ -13,17 +13,17 @@ namespace terrace {
 namespace {
 
 TEST(DisparityUnitsTest, KeepsDisparitiesToHalfAUnitOnEveryTarget) {
-  constexpr int kWidth = 77;  // no multiple of any vector
-  cv::Mat1f disparity(2, kWidth);
+  constexpr int kOddWidth = 77;  // no multiple of any vector
+  cv::Mat1f disparity(2, kOddWidth);
   for (int v = 0; v < 2; ++v)
-    for (int u = 0; u < kWidth; ++u)
+    for (int u = 0; u < kOddWidth; ++u)
       disparity(v, u) =
           u % 5 == 3 ? std::numeric_limits<float>::quiet_NaN() : 0.01f + 3.3f * static_cast<float>(u + v);
   OnEveryTarget([&] {
     UnitImage units;
     units.Set(disparity);
     for (int v = 0; v < 2; ++v) {
-      for (int u = 0; u < kWidth; ++u) {
+      for (int u = 0; u < kOddWidth; ++u) {
         if (std::isnan(disparity(v, u))) {
           EXPECT_TRUE(std::isnan(units.Px(v, u)));
         } else {
@@ -32,7 +32,7 @@ TEST(DisparityUnitsTest, KeepsDisparitiesToHalfAUnitOnEveryTarget) {
       }
       for (int i = 1; i <= UnitImage::kMargin; ++i) {
         EXPECT_EQ(units.Row(v)[-i], 0);
-        EXPECT_EQ(units.Row(v)[kWidth - 1 + i], 0);
+        EXPECT_EQ(units.Row(v)[kOddWidth - 1 + i], 0);
       }
     }
   });

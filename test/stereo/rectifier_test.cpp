@@ -14,15 +14,15 @@
 namespace terrace {
 namespace {
 
-constexpr int kWidth = 240;
-constexpr int kHeight = 160;
+constexpr int kRawWidth = 240;
+constexpr int kRawHeight = 160;
 
 /// Two cameras a little turned against each other, as a hand-built rig has them.
 StereoCalibration TurnedPair(DistortionModel model, std::vector<double> distortion, double focal_px) {
   StereoCalibration c;
   c.name = "rig";
-  c.width = kWidth;
-  c.height = kHeight;
+  c.width = kRawWidth;
+  c.height = kRawHeight;
   c.left = {focal_px, 1.01 * focal_px, 117.3, 82.1, model, distortion};
   c.right = {1.02 * focal_px, focal_px, 123.9, 76.4, model, distortion};
   c.T_rawright_rawleft.linear() = (Eigen::AngleAxisd(0.03, Eigen::Vector3d::UnitY()) *
@@ -60,8 +60,8 @@ class PaintedWall {
 GrayImage RenderRaw(const RawCamera& camera, const Eigen::Isometry3d& T_rawleft_raw) {
   const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
   std::vector<cv::Point2d> pixels, rays;
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) pixels.emplace_back(u, v);
+  for (int v = 0; v < kRawHeight; ++v) {
+    for (int u = 0; u < kRawWidth; ++u) pixels.emplace_back(u, v);
   }
   if (camera.model == DistortionModel::kEquidistant) {
     const cv::Vec4d k(camera.distortion.data());
@@ -71,7 +71,7 @@ GrayImage RenderRaw(const RawCamera& camera, const Eigen::Isometry3d& T_rawleft_
                         cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-12));
   }
   const PaintedWall wall;
-  GrayImage image{kWidth, kHeight, {}};
+  GrayImage image{kRawWidth, kRawHeight, {}};
   for (const cv::Point2d& ray : rays) {
     const double grey =
         wall.Grey(T_rawleft_raw.translation(), T_rawleft_raw.linear() * Eigen::Vector3d(ray.x, ray.y, 1));
@@ -83,9 +83,9 @@ GrayImage RenderRaw(const RawCamera& camera, const Eigen::Isometry3d& T_rawleft_
 /// What an ideal camera at that place would see.
 cv::Mat1d RenderIdeal(const StereoCamera& camera, const Eigen::Isometry3d& T_rawleft_rect) {
   const PaintedWall wall;
-  cv::Mat1d image(kHeight, kWidth);
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
+  cv::Mat1d image(kRawHeight, kRawWidth);
+  for (int v = 0; v < kRawHeight; ++v) {
+    for (int u = 0; u < kRawWidth; ++u) {
       const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);
       image(v, u) = wall.Grey(T_rawleft_rect.translation(), T_rawleft_rect.linear() * ray);
     }
@@ -98,8 +98,8 @@ cv::Mat1d RenderIdeal(const StereoCamera& camera, const Eigen::Isometry3d& T_raw
 double LargestShift(const cv::Mat1b& image, const cv::Mat1d& ideal) {
   constexpr int kBlock = 80;
   double largest = 0.0;
-  for (int top = 0; top + kBlock <= kHeight; top += kBlock) {
-    for (int left = 0; left + kBlock <= kWidth; left += kBlock) {
+  for (int top = 0; top + kBlock <= kRawHeight; top += kBlock) {
+    for (int left = 0; left + kBlock <= kRawWidth; left += kBlock) {
       Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
       Eigen::Vector4d b = Eigen::Vector4d::Zero();
       for (int v = top + 1; v < top + kBlock - 1; ++v) {
@@ -131,7 +131,7 @@ TEST_P(RectifierTest, ShowsWhatIdealCamerasWouldSee) {
   EXPECT_EQ(frame.frame_id, 5);
   EXPECT_EQ(frame.t_capture.ns, 17);
   const StereoCamera& camera = rectifier.camera();
-  EXPECT_EQ(frame.left.size(), cv::Size(kWidth, kHeight));
+  EXPECT_EQ(frame.left.size(), cv::Size(kRawWidth, kRawHeight));
   EXPECT_NEAR(camera.baseline_m, calibration.baseline_m(), 1e-12);
 
   Eigen::Isometry3d T_rawleft_left = Eigen::Isometry3d::Identity();
@@ -149,10 +149,10 @@ TEST_P(RectifierTest, ShowsWhatIdealCamerasWouldSee) {
 TEST_P(RectifierTest, FillsBothImagesWithValidPixels) {
   const Rectifier rectifier(GetParam());
   StereoPair white;
-  white.left = white.right = {kWidth, kHeight, std::vector<std::uint8_t>(kWidth * kHeight, 255)};
+  white.left = white.right = {kRawWidth, kRawHeight, std::vector<std::uint8_t>(kRawWidth * kRawHeight, 255)};
   const StereoFrame frame = rectifier.Rectify(0, white);
-  EXPECT_EQ(cv::countNonZero(frame.left == 255), kWidth * kHeight);
-  EXPECT_EQ(cv::countNonZero(frame.right == 255), kWidth * kHeight);
+  EXPECT_EQ(cv::countNonZero(frame.left == 255), kRawWidth * kRawHeight);
+  EXPECT_EQ(cv::countNonZero(frame.right == 255), kRawWidth * kRawHeight);
   const double zoom = rectifier.camera().fx / GetParam().left.fx;
   EXPECT_GE(zoom, 0.79);
   EXPECT_LE(zoom, 1.2);
@@ -162,12 +162,12 @@ TEST(RectifierFoldTest, ShowsNoGhostsWhereTheLensPolynomialTurnsBack) {
   // 1 - 0.4 r^2 turns back at r = 0.91, well inside the corners of the view.
   StereoCalibration calibration = TurnedPair(DistortionModel::kRadialTangential, {-0.4, 0, 0, 0}, 100.0);
   StereoPair white;
-  white.left = white.right = {kWidth, kHeight, std::vector<std::uint8_t>(kWidth * kHeight, 255)};
+  white.left = white.right = {kRawWidth, kRawHeight, std::vector<std::uint8_t>(kRawWidth * kRawHeight, 255)};
   const Rectifier rectifier(calibration);
   const StereoFrame frame = rectifier.Rectify(0, white);
   const StereoCamera& camera = rectifier.camera();
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
+  for (int v = 0; v < kRawHeight; ++v) {
+    for (int u = 0; u < kRawWidth; ++u) {
       const Eigen::Vector3d ray_raw =
           rectifier.R_rect_raw().transpose() *
           Eigen::Vector3d((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);

@@ -4,19 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "stereo/unknown_disparity.h"
 #include "test/stereo/every_target.h"
 #include "test/stereo/textured_pair.h"
 
 namespace terrace {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 bool SameBits(const cv::Mat1f& a, const cv::Mat1f& b) {
   return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](float x, float y) {
@@ -31,7 +30,7 @@ cv::Mat1f RoughDisparity(int width, int height, const SlantedPlane& plane, doubl
   cv::Mat1f rough(height, width);
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u)
-      rough(v, u) = random() % 10 == 0 ? kUnknown : static_cast<float>(plane.At(u, v) + offset(random));
+      rough(v, u) = random() % 10 == 0 ? kUnknownDisparity : static_cast<float>(plane.At(u, v) + offset(random));
   return rough;
 }
 
