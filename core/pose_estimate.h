@@ -23,7 +23,8 @@ struct PoseEstimate {
   FrameId frame_id = 0;  ///< the frame this belongs to
   Timestamp t_capture;   ///< middle of the exposure
   TrackingStatus status = TrackingStatus::kLost;
-  std::string reason;  ///< why bridging or lost; empty while tracking
+  /// Why bridging or lost; while tracking, why the pose is in doubt. Empty when all is well.
+  std::string reason;
   Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
   /// Of the error of T_world_left against the first published pose: rotation [rad], translation [m]; left
   /// frame.

@@ -118,8 +118,9 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   if (reset_requested_.exchange(false)) StartMap(before->map_id + 1);
   std::optional<GravityHint> gravity_hint;
   std::shared_ptr<const DisparityPrior> disparity_prior;
-  // A bridged pose is a guess: it tells the robot where it is, but nothing is built on it.
-  if (tracked.pose.status == TrackingStatus::kTracking && disparity) {
+  // A pose that is bridged or in doubt is a guess: it tells the robot where it is, but nothing is built on
+  // it.
+  if (tracked.pose.status == TrackingStatus::kTracking && tracked.pose.reason.empty() && disparity) {
     const ChangedCells cells = meters_["decomposition"].Run([&] {
       if (config_.stereo.use_prior) disparity_prior = ExpectDisparities(*disparity, tracked.pose);
       const Cloud cloud = Triangulate(*disparity, camera(), config_.cloud, self_mask_);

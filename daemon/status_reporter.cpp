@@ -96,7 +96,8 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
   if (last_.map) {
     status.gravity_source = last_.map->gravity.source;
     status.num_regions = static_cast<int>(last_.map->regions.size());
-    if (state == DaemonState::kRunning && last_.pose.status != TrackingStatus::kTracking) {
+    if (state == DaemonState::kRunning &&
+        (last_.pose.status != TrackingStatus::kTracking || !last_.pose.reason.empty())) {
       status.state = DaemonState::kDegraded;
     }
   }

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "odometry/covariance.h"
+#include "odometry/rotation.h"
 
 namespace terrace {
 namespace {
@@ -14,6 +16,13 @@ namespace {
 constexpr double kUsual = 0.55;
 /// Of the trust in all that was looked for: what a pose that explains less needs instead.
 constexpr double kDoubtful = 0.8;
+/// Frames that agreed with a landmark: from then on it is known to stand still.
+constexpr int kKnownFrames = 3;
+constexpr double kKnownTrust = 0.3;
+
+bool Known(const Landmark& landmark) {
+  return landmark.num_tracked >= kKnownFrames && landmark.trust() >= kKnownTrust;
+}
 
 }  // namespace
 
@@ -22,8 +31,10 @@ PoseFinder::PoseFinder(const StereoCamera& camera, const FeatureGrid& grid, int 
 
 std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const ImagePyramid& left,
                                                   const ImagePyramid& right, const Expectation& expected) {
-  const auto rough = FindRoughly(window, left, right, expected);
-  if (!rough) return std::nullopt;
+  only_strangers_ = false;
+  const std::vector<Found> candidates = FindRoughly(window, left, right, expected);
+  if (candidates.empty()) return std::nullopt;
+  const Found* rough = &candidates.front();
 
   PosePrior prior = expected.prior;
   if (!expected.measured) prior.information *= 0.01;  // only against what the images leave open
@@ -39,7 +50,10 @@ std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const Im
     // A pose that only new landmarks believe in is that of something that moves through the view.
     if (fine.mean_trust < (rough->share < kUsual * usual_share_ ? kDoubtful : kUsual) * fine.mean_trust_tried)
       continue;
+    only_strangers_ = FollowsStrangers(fine, expected);
+    if (only_strangers_) continue;
     UpdateNoiseScale(fine.solution);
+    fine.doubt = Doubt(fine, candidates, expected);
     return fine;
   }
   // What stays different becomes usual.
@@ -50,17 +64,28 @@ std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const Im
 
 /// With a few landmarks on coarse levels, from where the motion is expected to have taken the camera; at a
 /// foot strike that is wrong, so that standing still and a wide search compete with it.
-std::optional<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, const ImagePyramid& left,
-                                                         const ImagePyramid& right,
-                                                         const Expectation& expected) {
+std::vector<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, const ImagePyramid& left,
+                                                       const ImagePyramid& right,
+                                                       const Expectation& expected) {
   const SearchOptions rough{3, 0, 1, false};
-  std::optional<Found> best;
+  std::vector<Found> candidates;  // best first
   // True as soon as a pose explains about as much as poses do in these surroundings.
   const auto Believed = [&] {
-    return best && Enough(*best, expected) && best->share > kUsual * usual_share_;
+    return !candidates.empty() && Enough(candidates.front(), expected) &&
+           candidates.front().share > kUsual * usual_share_ &&
+           !FollowsStrangers(candidates.front(), expected);
   };
   const auto Consider = [&](Found found) {
-    if (!best || found.score > best->score) best = std::move(found);
+    candidates.push_back(std::move(found));
+    Found& added = candidates.back();
+    Found& best = candidates.front();
+    // Whatever the strangers' number, those who have stood still before decide.
+    const bool rivals = Enough(added, expected) && Enough(best, expected);
+    const bool best_is_strange = FollowsStrangers(best, expected);
+    const bool better = rivals && FollowsStrangers(added, expected) != best_is_strange
+                            ? best_is_strange
+                            : added.score > best.score;
+    if (better) std::swap(added, best);
   };
   const auto TrackFrom = [&](const Eigen::Isometry3d& from) {
     return tracker_.Track(window, left, right, from, expected.vertical_px, rough);
@@ -116,10 +141,46 @@ std::optional<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, c
       if (Believed()) break;
     }
   }
-  if (!best || !Enough(*best, expected)) return std::nullopt;
+  if (candidates.empty() || !Enough(candidates.front(), expected)) return {};
   constexpr double kRate = 0.1;
-  usual_share_ += kRate * (best->share - usual_share_);
-  return best;
+  usual_share_ += kRate * (candidates.front().share - usual_share_);
+  return candidates;
+}
+
+/// With two motions of which one is the true one, the covariance about the believed one is the square of
+/// their distance by the probability of the other: of its share in the trust. An IMU knows which one is true.
+std::optional<Matrix6d> PoseFinder::Doubt(const Found& fine, const std::vector<Found>& rough,
+                                          const Expectation& expected) const {
+  constexpr double kStrong = 0.5;  // of the score of the best
+  constexpr double kCommon = 0.5;  // share of the rival's landmarks that agree with the best, too: no rival
+  if (expected.measured) return std::nullopt;
+  std::set<int> agreeing;
+  for (std::size_t i = 0; i < fine.matches.size(); ++i)
+    if (fine.solution.inlier[i]) agreeing.insert(fine.matches[i].landmark);
+  std::optional<Matrix6d> doubt;
+  double strongest = kStrong * rough.front().score;
+  for (const Found& rival : rough) {
+    if (rival.score < strongest || !Enough(rival, expected)) continue;
+    int num_common = 0;
+    for (std::size_t i = 0; i < rival.matches.size(); ++i)
+      num_common += rival.solution.inlier[i] && agreeing.contains(rival.matches[i].landmark);
+    if (num_common > kCommon * rival.solution.num_inliers) continue;
+    strongest = rival.score;
+    const Vector6d apart = StepBetween(fine.solution.T_world_left, rival.solution.T_world_left);
+    doubt = rival.score / (rival.score + rough.front().score) * apart * apart.transpose();
+  }
+  return doubt;
+}
+
+/// True when what agrees is new and what has stood still before does not agree: it may be a thing that moves
+/// through the view, or all looks different now. An IMU knows better.
+bool PoseFinder::FollowsStrangers(const Found& found, const Expectation& expected) {
+  constexpr int kEnoughKnown = 8;
+  constexpr double kMuchLess = 0.5;
+  const double of_known = static_cast<double>(found.num_known) / std::max(found.num_known_tried, 1);
+  const double of_all =
+      found.solution.num_inliers / std::max<double>(1.0, static_cast<double>(found.tried.size()));
+  return !expected.measured && found.num_known_tried >= kEnoughKnown && of_known < kMuchLess * of_all;
 }
 
 /// With an IMU the turn is known and the step nearly so: half as many will do.
@@ -132,9 +193,14 @@ PoseFinder::Found PoseFinder::Solve(const Window& window, Matches matches, const
   Found found;
   found.matches = std::move(matches.found);
   found.solution = SolvePose(Constraints(window, found.matches), prior, camera_, seed);
-  for (std::size_t i = 0; i < found.matches.size(); ++i)
-    if (found.solution.inlier[i])
-      found.score += window.landmarks[static_cast<std::size_t>(found.matches[i].landmark)].trust();
+  for (std::size_t i = 0; i < found.matches.size(); ++i) {
+    if (!found.solution.inlier[i]) continue;
+    const Landmark& landmark = window.landmarks[static_cast<std::size_t>(found.matches[i].landmark)];
+    found.score += landmark.trust();
+    found.num_known += Known(landmark);
+  }
+  for (const int i : matches.tried)
+    found.num_known_tried += Known(window.landmarks[static_cast<std::size_t>(i)]);
   found.share = found.score / std::max(matches.trust_tried, 1.0);
   found.mean_trust = found.score / std::max(found.solution.num_inliers, 1);
   found.tried = std::move(matches.tried);

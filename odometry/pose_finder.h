@@ -38,25 +38,37 @@ class PoseFinder {
     double share = 0.0;             ///< of the trust in all that was looked for
     double mean_trust = 0.0;        ///< of the inliers
     double mean_trust_tried = 0.0;  ///< of all that were looked for
+    int num_known = 0;              ///< inliers that have stood still before
+    int num_known_tried = 0;        ///< of all that were looked for
+    /// How far off the pose may be, beyond what its information says, because another motion explains nearly
+    /// as much: covariance in its own frame; none: no other does.
+    std::optional<Matrix6d> doubt;
   };
   /// None when no pose explains enough.
   std::optional<Found> Find(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
                             const Expectation& expected);
 
+  /// Why the last search found none: what agreed was new, and moved against what is known to stand still.
+  bool only_strangers() const { return only_strangers_; }
   /// Variance of residuals over what the patches claim: real lenses and calibrations are worse.
   double noise_scale() const { return noise_scale_; }
 
  private:
   bool Enough(const Found& found, const Expectation& expected) const;
+  static bool FollowsStrangers(const Found& found, const Expectation& expected);
   std::vector<PoseConstraint> Constraints(const Window& window, const std::vector<Match>& matches) const;
   Found Solve(const Window& window, Matches matches, const PosePrior& prior, std::uint32_t seed) const;
-  std::optional<Found> FindRoughly(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
-                                   const Expectation& expected);
+  /// Best first: what explains most, then the other motions that were considered.
+  std::vector<Found> FindRoughly(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
+                                 const Expectation& expected);
+  std::optional<Matrix6d> Doubt(const Found& fine, const std::vector<Found>& rough,
+                                const Expectation& expected) const;
   void UpdateNoiseScale(const PoseSolution& solution);
 
   StereoCamera camera_;
   LandmarkTracker tracker_;
   int min_inliers_;
+  bool only_strangers_ = false;
   double usual_share_ = 0.5;  ///< running mean of Found::share of the rough search
   double noise_scale_ = 1.0;  ///< variance of residuals over what the patches claim
 };

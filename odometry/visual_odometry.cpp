@@ -74,14 +74,15 @@ class VisualOdometry::Impl {
     const std::vector<Match>& matches = found->matches;
     const PoseSolution& solution = found->solution;
 
-    PoseEstimate pose = Tracked(frame, matches, solution);
+    PoseEstimate pose = Tracked(frame, *found);
     motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_);
     if (motion_.ImuContradicts(pose, predicted)) RefuseImu();
     FollowAttitude(samples, pose);
     UpdateVertical(matches, solution);
     CountFailures(*found);
     NoteSightings(*found);
-    if (NeedsKeyframe(matches, solution) && SeesWithBoth(matches, solution) && !WaitForSharperImage(left)) {
+    if (NeedsKeyframe(matches, solution) && SeesWithBoth(matches, solution) && !WaitForCertainty(*found) &&
+        !WaitForSharperImage(left)) {
       AddKeyframe(frame, left, right, pose.T_world_left, matches, solution);
       RefineWindow(&pose);
     }
@@ -243,15 +244,19 @@ class VisualOdometry::Impl {
     return expected;
   }
 
-  PoseEstimate Tracked(const StereoFrame& frame, const std::vector<Match>& matches,
-                       const PoseSolution& solution) {
+  PoseEstimate Tracked(const StereoFrame& frame, const PoseFinder::Found& found) {
+    const PoseSolution& solution = found.solution;
     PoseEstimate pose;
     pose.frame_id = frame.frame_id;
     pose.t_capture = frame.t_capture;
     pose.status = TrackingStatus::kTracking;
     pose.T_world_left = solution.T_world_left;
     pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
-    const Matrix6d own = kCorrelation * Inverse(solution.information);
+    Matrix6d own = kCorrelation * Inverse(solution.information);
+    if (found.doubt) {
+      own += *found.doubt;
+      pose.reason = "another motion explains nearly as much: something large moves through the view";
+    }
     const bool bridged_before = last_->status != TrackingStatus::kTracking;
     pose.covariance_prev =
         own + TransportCovariance(pose.T_prev_left, bridged_before ? last_->covariance : own_covariance_);
@@ -259,7 +264,7 @@ class VisualOdometry::Impl {
     const Eigen::Isometry3d T_keyframe_left =
         window_.keyframes.back().T_world_left.inverse() * pose.T_world_left;
     pose.covariance = TransportCovariance(T_keyframe_left, keyframe_covariance_) + own;
-    pose.num_matches = static_cast<int>(matches.size());
+    pose.num_matches = static_cast<int>(found.matches.size());
     pose.num_inliers = solution.num_inliers;
     pose.rms_px = solution.rms_px;
     pose.vertical_disparity_px = vertical_px_;
@@ -308,7 +313,9 @@ class VisualOdometry::Impl {
   PoseEstimate Unfound(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
                        const Motion& predicted) {
     constexpr int kMaxStrangeFrames = 4;
-    PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted, "too few features found again");
+    PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted,
+                                pose_finder_.only_strangers() ? "only what moves through the view was found"
+                                                              : "too few features found again");
     const std::vector<bool> nothing(static_cast<std::size_t>(grid_.num_cells()), false);
     std::vector<Landmark> landmarks = finder_.Find(left, right, nothing, vertical_px_);
     if (static_cast<int>(landmarks.size()) < 2 * config_.min_inliers) {
@@ -424,6 +431,13 @@ class VisualOdometry::Impl {
     return with_disparity >= kMinShare * solution.num_inliers;
   }
 
+  /// Nothing is built on a pose in doubt, unless the doubt goes on.
+  bool WaitForCertainty(const PoseFinder::Found& found) {
+    constexpr int kPatience = 4;  // frames
+    num_doubtful_ = found.doubt ? num_doubtful_ + 1 : 0;
+    return found.doubt && num_doubtful_ <= kPatience;
+  }
+
   /// A blurred keyframe would blur all that is found with its texture: better a later one, unless that goes
   /// on.
   bool WaitForSharperImage(const ImagePyramid& left) {
@@ -503,6 +517,7 @@ class VisualOdometry::Impl {
   std::int64_t next_landmark_id_ = 0;
   double usual_sharpness_ = 0.0;                     ///< of frames that would become keyframes
   int num_waited_ = 0;                               ///< for a sharper one, frames in a row
+  int num_doubtful_ = 0;                             ///< poses that would become keyframes, in a row
   double covered_cells_ = 1.0;                       ///< cells with a landmark just after the newest keyframe
   Matrix6d keyframe_covariance_ = Matrix6d::Zero();  ///< of the newest keyframe against the first pose
 

@@ -62,6 +62,21 @@ TEST(ThreadedPipelineTest, GivesTheSameBitsAsOneThreadAndMapsTheFloor) {
   EXPECT_NE(expected.back().find("\"outline\""), std::string::npos) << "the map is empty";
 }
 
+TEST(PipelineTest, BuildsNothingOnAPoseInDoubt) {
+  Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {});
+  for (const bool in_doubt : {true, false}) {
+    const SensorFrame sensors = test::TinySequence(1)[0];
+    const StereoFramePtr frame = pipeline.Rectify(sensors);
+    const auto disparity = pipeline.Match(frame);
+    TrackedPose tracked;
+    tracked.pose.status = TrackingStatus::kTracking;
+    if (in_doubt) tracked.pose.reason = "another motion explains nearly as much";
+    const FrameResult result = pipeline.Map(disparity, tracked);
+    EXPECT_EQ(result.map_cells == 0, in_doubt);
+    EXPECT_EQ(result.pose.reason.empty(), !in_doubt);
+  }
+}
+
 TEST(ThreadedPipelineTest, GivesTheSameBitsWhereTheMatcherUsesAPrior) {
   const std::vector<SensorFrame> frames = test::TinySequence(8);
   const PipelineConfig config = TinyConfig(true);

@@ -346,11 +346,12 @@ TEST(VisualOdometryTest, IsLostAfterBridgingTooLongAndFindsBackToItsKeyframes) {
   EXPECT_LT(ErrorMm(first, pose, 8), 3.0);
 }
 
-/// A textured board at 0.5 m that swings through the view and covers a third of it.
-void HoldBoardInto(StereoFrame& frame) {
+/// A textured board at 0.5 m that swings through the view and covers a third of it, unless told otherwise.
+void HoldBoardInto(StereoFrame& frame, double width_share = 0.5, double height_share = 2.0 / 3.0) {
   constexpr int kDisparityPx = 48;
   const auto i = static_cast<double>(frame.frame_id);
-  const int width = kCamera.width / 2, height = kCamera.height * 2 / 3;
+  const int width = static_cast<int>(kCamera.width * width_share);
+  const int height = static_cast<int>(kCamera.height * height_share);
   const int u0 = static_cast<int>((kCamera.width - width) * (0.5 + 0.5 * std::sin(0.11 * i)));
   const int v0 = static_cast<int>((kCamera.height - height) * (0.5 + 0.5 * std::sin(0.23 * i)));
   cv::Mat1b board(height / 4, width / 4), large;
@@ -375,6 +376,30 @@ TEST(VisualOdometryTest, IsNotCarriedAwayByABoardThatMovesThroughTheView) {
       EXPECT_LT(ErrorMm(first, pose, i), 4.0) << "frame " << i;
     }
   }
+}
+
+TEST(VisualOdometryTest, PublishesNoJumpAsCertainWhenItStumblesBeforeAMovingBoard) {
+  int num_doubtful = 0;
+  for (const int stumble : {18, 22, 26, 30, 34}) {
+    VisualOdometry odometry({}, kCamera, {});
+    PoseEstimate first;
+    for (int i = 0; i < stumble + 8; ++i) {
+      constexpr double kFramesFarther = 3.0;  // 7.5 cm at once, which no motion model expects
+      const double at = i >= stumble ? i + kFramesFarther : i;
+      StereoFrame frame = World().Frame(i, Walk(at));
+      if (i >= 8) HoldBoardInto(frame, 0.65, 0.8);
+      const PoseEstimate pose = odometry.Track(frame, {});
+      if (i == 0) first = pose;
+      const Vector6d error = StepBetween(Walk(0).inverse() * Walk(at), FromStart(first, pose));
+      if (pose.status == TrackingStatus::kTracking && pose.reason.empty()) {
+        EXPECT_LT(1e3 * error.tail<3>().norm(), 4.0) << "stumbles at " << stumble << ", frame " << i;
+      } else {
+        EXPECT_LT(Chi2(error, pose.covariance), 20.0) << "stumbles at " << stumble << ", frame " << i;
+      }
+      num_doubtful += pose.status == TrackingStatus::kTracking && !pose.reason.empty();
+    }
+  }
+  EXPECT_GT(num_doubtful, 0);
 }
 
 TEST(VisualOdometryTest, FindsTheWayAfterAGapInWhichTheCameraWalkedOn) {
