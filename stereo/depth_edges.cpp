@@ -316,6 +316,25 @@ class DepthEdgeSharpener::Scratch {
   struct OfOneThread {
     EdgeCandidates found;
     std::vector<int> begins;
+    std::vector<std::int16_t> slopes, above, below;
+
+    /// The rows above and below as they would be in row v on its steep surfaces.
+    GivenRows AlongSlopes(const GivenRows& rows, int v, int v_above, int v_below, int width,
+                          const Steepness& steepness) {
+      const std::size_t size = static_cast<std::size_t>(width) + kBehind;
+      slopes.resize(size);
+      if (!steepness.surfaces || !steepness.surfaces->SlopesOfRow(v, steepness.scale, width, slopes.data()))
+        return rows;
+      const auto move = [&](const std::int16_t* row, int rows_below, std::vector<std::int16_t>& to) {
+        to.resize(size);
+        for (int u = 0; u < width; ++u) {
+          const int moved = std::clamp(row[u] + rows_below * slopes[u], 1, UnitImage::kMaxUnits);
+          to[u] = static_cast<std::int16_t>(row[u] == 0 ? 0 : moved);
+        }
+        return to.data();
+      };
+      return {rows.row, move(rows.above, v - v_above, above), move(rows.below, v - v_below, below)};
+    }
   };
   EdgeImages images;
   cv::Mat1b matched;
@@ -327,7 +346,8 @@ DepthEdgeSharpener::DepthEdgeSharpener(const DepthEdgeSettings& settings)
     : settings_(settings), scratch_(std::make_unique<Scratch>()) {}
 DepthEdgeSharpener::~DepthEdgeSharpener() = default;
 
-void DepthEdgeSharpener::Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& disparity) {
+void DepthEdgeSharpener::Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& disparity,
+                                 const Steepness& steepness) {
   const int width = left.cols, height = left.rows;
   const EdgeLimits limits = {settings_.reach_px,
                              static_cast<int>(std::lround(settings_.min_jump_px * kUnitsPerPx)),
@@ -342,8 +362,10 @@ void DepthEdgeSharpener::Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, 
   for (int round = 0; round < settings_.rounds; ++round) {
     ParallelFor(height, [&](int v) {
       Scratch::OfOneThread& mine = scratch_->threads.local();
-      const GivenRows rows = {disparity.Row(v), disparity.Row(std::max(v - limits.reach, 0)),
-                              disparity.Row(std::min(v + limits.reach, height - 1))};
+      const int v_above = std::max(v - limits.reach, 0), v_below = std::min(v + limits.reach, height - 1);
+      const GivenRows rows =
+          mine.AlongSlopes({disparity.Row(v), disparity.Row(v_above), disparity.Row(v_below)}, v, v_above,
+                           v_below, width, steepness);
       std::int16_t* row = sharpened.Row(v);
       std::copy_n(rows.row, width, row);
       HWY_DYNAMIC_DISPATCH(SharpenRow)(images, rows, v, limits, mine.found, row);

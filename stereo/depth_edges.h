@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "stereo/disparity_units.h"
+#include "stereo/steep_surfaces.h"
 
 namespace terrace {
 
@@ -28,8 +29,9 @@ class DepthEdgeSharpener {
   /// window of the two images agrees best. Then, of two surfaces that claim the same place of the right
   /// image, the one that agrees worse becomes unknown, so that what the nearer one hides gets nothing. Last,
   /// unknown pixels take a neighbour's disparity where the images agree and nobody claims the place it leads
-  /// to.
-  void Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& disparity);
+  /// to. Above and below neighbours count as they would be in the pixel's own row where the surface is steep.
+  void Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& disparity,
+               const Steepness& steepness = {});
 
  private:
   class Scratch;

@@ -14,6 +14,7 @@
 #include "stereo/half_resolution.h"
 #include "stereo/refinement.h"
 #include "stereo/semi_global.h"
+#include "stereo/steep_surfaces.h"
 #include "stereo/unknown_disparity.h"
 
 namespace terrace {
@@ -158,8 +159,8 @@ class DisparityMatcher::Impl {
       MatchHalved(frame, prior, result.disparity_px);
     }
     units_.Set(result.disparity_px);
-    edges_.Sharpen(frame.left, frame.right, units_);
-    refiner_.Refine(frame.left, frame.right, units_, result.disparity_px, &result.sigma_px);
+    edges_.Sharpen(frame.left, frame.right, units_, {&steep_, 2});
+    refiner_.Refine(frame.left, frame.right, units_, result.disparity_px, &result.sigma_px, {&steep_, 2});
     return result;
   }
 
@@ -223,8 +224,9 @@ class DisparityMatcher::Impl {
     if (2 * range > config_.max_disparity_px)
       half_disparity_.setTo(kUnknownDisparity, half_disparity_ > 0.5 * config_.max_disparity_px);
     RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
-    half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr);
-    DoubleDisparity(half_disparity_, disparity);
+    steep_.Measure(half_disparity_);
+    half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr, {&steep_, 1});
+    DoubleDisparity(half_disparity_, disparity, steep_);
   }
 
   static constexpr int kAroundRegionPx = 32;  // from which paths and windows reach into a region
@@ -237,6 +239,7 @@ class DisparityMatcher::Impl {
   Refiner half_refiner_{{.iterations = 2}};
   cv::Mat1b half_left_, half_right_;
   cv::Mat1f half_disparity_, rough_disparity_;
+  SteepSurfaces steep_;
   UnitImage units_;
   ImagePool results_;
 };

@@ -2,11 +2,14 @@
 #include "stereo/half_resolution.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
 #include "core/parallel_for.h"
+#include "stereo/disparity_units.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "stereo/half_resolution.cpp"
@@ -52,6 +55,26 @@ HWY_AFTER_NAMESPACE();
 namespace terrace {
 HWY_EXPORT(DoubleRow);
 
+namespace {
+
+float PxOfUnits(std::int16_t units) { return static_cast<float>(units) / UnitImage::kUnitsPerPx; }
+
+/// Moves the row `far` to the row `near`, so many rows below it, along the slopes; those of pixels that then
+/// fit worse become 0.
+void AlongSlopes(const float* near, int rows_below, int width, std::int16_t* slopes, float* far) {
+  for (int u = 0; u < width; ++u) {
+    const float moved = far[u] + static_cast<float>(rows_below) * PxOfUnits(slopes[u]);
+    if (std::abs(moved - near[u]) > std::abs(far[u] - near[u]))
+      slopes[u] = 0;
+    else
+      far[u] = moved;
+  }
+  far[-1] = far[0];
+  far[width] = far[width - 1];
+}
+
+}  // namespace
+
 void HalveImage(const cv::Mat1b& image, cv::Mat1b& half) {
   cv::Mat1b even = image;
   if (image.cols % 2 != 0 || image.rows % 2 != 0)
@@ -59,7 +82,7 @@ void HalveImage(const cv::Mat1b& image, cv::Mat1b& half) {
   cv::resize(even, half, {even.cols / 2, even.rows / 2}, 0, 0, cv::INTER_AREA);
 }
 
-void DoubleDisparity(const cv::Mat1f& half, cv::Mat1f& full) {
+void DoubleDisparity(const cv::Mat1f& half, cv::Mat1f& full, const SteepSurfaces& steep) {
   // Rows with their first and last pixel repeated, and the doubled row, each with room for a vector behind
   // it.
   constexpr int kBehind = 64;
@@ -71,11 +94,19 @@ void DoubleDisparity(const cv::Mat1f& half, cv::Mat1f& full) {
   ParallelForPieces(static_cast<std::size_t>(full.rows), [&](std::size_t begin, std::size_t end) {
     std::vector<float> near_row(half.cols + 2 + kBehind), far_row(half.cols + 2 + kBehind);
     std::vector<float> doubled(2 * (half.cols + kBehind));
+    std::vector<std::int16_t> slopes(half.cols + kBehind);
     for (int v = static_cast<int>(begin); v < static_cast<int>(end); ++v) {
       // Row v lies a quarter of a halved pixel from row v / 2 towards its neighbour above or below.
       repeat_ends(half[v / 2], near_row);
-      repeat_ends(half[std::clamp(v % 2 == 0 ? v / 2 - 1 : v / 2 + 1, 0, half.rows - 1)], far_row);
+      const int v_far = std::clamp(v % 2 == 0 ? v / 2 - 1 : v / 2 + 1, 0, half.rows - 1);
+      repeat_ends(half[v_far], far_row);
+      const bool any_steep = steep.SlopesOfRow(v / 2, 1, half.cols, slopes.data());
+      if (any_steep)
+        AlongSlopes(near_row.data() + 1, v / 2 - v_far, half.cols, slopes.data(), far_row.data() + 1);
       HWY_DYNAMIC_DISPATCH(DoubleRow)(near_row.data() + 1, far_row.data() + 1, half.cols, doubled.data());
+      // A quarter of a row further, twice the disparity.
+      for (int u = 0; any_steep && u < 2 * half.cols; ++u)
+        doubled[u] += 0.5f * static_cast<float>(v_far - v / 2) * PxOfUnits(slopes[u / 2]);
       std::copy_n(doubled.begin(), full.cols, full[v]);
     }
   });

@@ -3,6 +3,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "stereo/steep_surfaces.h"
+
 namespace terrace {
 
 /// Mean of each 2x2 block; an odd last row or column is repeated.
@@ -10,6 +12,7 @@ void HalveImage(const cv::Mat1b& image, cv::Mat1b& half);
 
 /// Disparities of the full image from those of the halved one, in full pixels: interpolated on surfaces, the
 /// nearest pixel's at depth edges, unknown where that is. `full` has its size already.
-void DoubleDisparity(const cv::Mat1f& half, cv::Mat1f& full);
+/// @param steep  of the halved image
+void DoubleDisparity(const cv::Mat1f& half, cv::Mat1f& full, const SteepSurfaces& steep = {});
 
 }  // namespace terrace

@@ -56,6 +56,8 @@ struct ResidualRow {
   std::int16_t* gradient;   ///< mean of both images', along the row
   std::int16_t* residual;   ///< left less right
   std::int16_t* at_edge;    ///< not 0 where the window holds other surfaces
+  std::int16_t* slope;      ///< of the disparity from row to row, where the surface is steep
+  bool any_steep = false;   ///< else `slope` holds nothing
 };
 
 /// Sums over five rows, column by column. All are whole numbers below 2^24.
@@ -93,13 +95,36 @@ HWY_INLINE V SumOfFive(V a, V b, V c, V d, V e) {
 
 HWY_INLINE VecF ToFloat(hn::Vec<TagHalf16> v) { return hn::ConvertTo(TagF(), hn::PromoteTo(TagI(), v)); }
 
-void DisparitiesOfColumns(const std::int16_t* const* rows, int width, const ColumnDisparities& columns) {
+/// What the disparity of a row, some rows below the middle one, would be in the middle one's on a surface of
+/// that slope: at least 1 where known.
+template <class D>
+HWY_INLINE hn::Vec<D> AlongSlope(D d, hn::Vec<D> disparity, hn::Vec<D> slope, int rows_below) {
+  const auto change = hn::Mul(slope, hn::Set(d, static_cast<std::int16_t>(rows_below)));
+  const auto moved = hn::Max(hn::SaturatedSub(disparity, change), hn::Set(d, 1));
+  return hn::IfThenElseZero(hn::Gt(disparity, hn::Zero(d)), moved);
+}
+
+/// Disparities of steep surfaces are found the less well the steeper they are.
+template <class D>
+HWY_INLINE hn::Vec<D> JumpOnSlope(D d, std::int16_t max_jump, hn::Vec<D> slope) {
+  return hn::Add(hn::Set(d, max_jump), hn::ShiftRight<1>(hn::Abs(slope)));
+}
+
+/// @tparam kSteep  slopes are given; else they are all 0
+template <bool kSteep>
+void DisparitiesOfColumnsWith(const std::int16_t* const* rows, const std::int16_t* slopes, int width,
+                              const ColumnDisparities& columns) {
   const Tag16 d;
   for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(d))) {
-    const auto a = hn::LoadU(d, rows[0] + u);
+    const auto load = [&](int r) HWY_ATTR {
+      const auto disparity = hn::LoadU(d, rows[r] + u);
+      if constexpr (!kSteep) return disparity;
+      return AlongSlope(d, disparity, hn::LoadU(d, slopes + u), r - kReach);
+    };
+    const auto a = load(0);
     auto sum = a, low = a, high = a;
     for (int r = 1; r < 5; ++r) {
-      const auto b = hn::LoadU(d, rows[r] + u);
+      const auto b = load(r);
       sum = hn::Add(sum, b);
       low = hn::Min(low, b);
       high = hn::Max(high, b);
@@ -108,6 +133,14 @@ void DisparitiesOfColumns(const std::int16_t* const* rows, int width, const Colu
     hn::StoreU(low, d, columns.low + u);
     hn::StoreU(high, d, columns.high + u);
   }
+}
+
+void DisparitiesOfColumns(const std::int16_t* const* rows, const ResidualRow& middle, int width,
+                          const ColumnDisparities& columns) {
+  if (middle.any_steep)
+    DisparitiesOfColumnsWith<true>(rows, middle.slope, width, columns);
+  else
+    DisparitiesOfColumnsWith<false>(rows, nullptr, width, columns);
 }
 
 /// sums / counts, rounded.
@@ -126,10 +159,12 @@ HWY_INLINE Vec16 Quotient(Vec16 sums, Vec16 counts) {
 
 /// For each lane, the mean of the known disparities of the window that belong to the same surface; 0 where
 /// unknown.
-HWY_INLINE Vec16 Smooth(const std::int16_t* const* rows, const ColumnDisparities& columns, int u,
-                        std::int16_t max_jump, Vec16& at_edge) {
+template <bool kSteep>
+HWY_INLINE Vec16 Smooth(const std::int16_t* const* rows, const ColumnDisparities& columns,
+                        const std::int16_t* slopes, int u, std::int16_t max_jump, Vec16& at_edge) {
   const Tag16 d;
-  const auto zero = hn::Zero(d), jump = hn::Set(d, max_jump);
+  const auto zero = hn::Zero(d);
+  const auto jump = kSteep ? JumpOnSlope(d, max_jump, hn::LoadU(d, slopes + u)) : hn::Set(d, max_jump);
   const auto own = hn::LoadU(d, rows[kReach] + u);
   auto total = hn::LoadU(d, columns.sum + u - kReach);
   auto low = hn::LoadU(d, columns.low + u - kReach), high = hn::LoadU(d, columns.high + u - kReach);
@@ -151,7 +186,8 @@ HWY_INLINE Vec16 Smooth(const std::int16_t* const* rows, const ColumnDisparities
     auto num_known = zero, num_own = zero, own_total = zero;
     for (int r = 0; r < 5; ++r)
       for (int i = -kReach; i <= kReach; ++i) {
-        const auto other = hn::LoadU(d, rows[r] + u + i);
+        auto other = hn::LoadU(d, rows[r] + u + i);
+        if constexpr (kSteep) other = AlongSlope(d, other, hn::LoadU(d, slopes + u), r - kReach);
         const auto difference = hn::Sub(other, own);
         const auto other_known = hn::Gt(other, zero);
         const auto same = hn::AndNot(hn::Gt(hn::Abs(difference), jump), other_known);
@@ -167,9 +203,10 @@ HWY_INLINE Vec16 Smooth(const std::int16_t* const* rows, const ColumnDisparities
 
 /// Residual and gradient of the middle one of five rows. The right image is sampled by the cubic of Catmull
 /// and Rom, whose slope at whole pixels is the central difference that is taken in the left image.
-void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const std::int16_t* const* rows,
-                    const ColumnDisparities& columns, int width, const RefineLimits& limits,
-                    const ResidualRow& out) {
+template <bool kSteep>
+void ResidualsOfRowWith(const std::uint8_t* left, const std::uint8_t* right, const std::int16_t* const* rows,
+                        const ColumnDisparities& columns, int width, const RefineLimits& limits,
+                        const ResidualRow& out) {
   const Tag16 d;
   const hn::Rebind<std::uint8_t, Tag16> d8;
   constexpr int kUnitBits = 7;
@@ -186,7 +223,7 @@ void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const s
       continue;
     }
     Vec16 at_edge;
-    const auto given = Smooth(rows, columns, u, limits.max_jump, at_edge);
+    const auto given = Smooth<kSteep>(rows, columns, out.slope, u, limits.max_jump, at_edge);
     // u - given = u - whole + fraction, the fraction not negative.
     const auto whole = hn::ShiftRight<kUnitBits>(hn::Add(given, hn::Set(d, kUnitsPerPx - 1)));
     const auto fraction = hn::Sub(hn::ShiftLeft<kUnitBits>(whole), given);
@@ -242,6 +279,15 @@ void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const s
   }
 }
 
+void ResidualsOfRow(const std::uint8_t* left, const std::uint8_t* right, const std::int16_t* const* rows,
+                    const ColumnDisparities& columns, int width, const RefineLimits& limits,
+                    const ResidualRow& out) {
+  if (out.any_steep)
+    ResidualsOfRowWith<true>(left, right, rows, columns, width, limits, out);
+  else
+    ResidualsOfRowWith<false>(left, right, rows, columns, width, limits, out);
+}
+
 /// Moves the sums of columns down by a row.
 void MoveColumnSums(const ResidualRow& entering, const ResidualRow& leaving, int width,
                     const ColumnSums& sums) {
@@ -280,8 +326,10 @@ struct WindowSums {
 HWY_INLINE WindowSums SumsOfSurface(const ResidualRow* rows, int u, std::int16_t max_jump) {
   const TagF df;
   const TagHalf16 d16;
+  const bool steep = rows[kReach].any_steep;
+  const auto slope = steep ? hn::LoadU(d16, rows[kReach].slope + u) : hn::Zero(d16);
   const auto centre = hn::LoadU(d16, rows[kReach].disparity + u);
-  const auto jump = hn::Set(d16, max_jump), one = hn::Set(d16, 1);
+  const auto jump = steep ? JumpOnSlope(d16, max_jump, slope) : hn::Set(d16, max_jump), one = hn::Set(d16, 1);
   auto n = hn::Zero(d16), sum_g = n, sum_e = n;
   WindowSums s;
   s.gg = s.ge = s.ee = hn::Zero(df);
@@ -289,7 +337,8 @@ HWY_INLINE WindowSums SumsOfSurface(const ResidualRow* rows, int u, std::int16_t
     VecF gg[5], ge[5], ee[5];
     for (int i = 0; i < 5; ++i) {
       const int at = u + i - kReach;
-      const auto other = hn::LoadU(d16, rows[r].disparity + at);
+      auto other = hn::LoadU(d16, rows[r].disparity + at);
+      if (steep) other = AlongSlope(d16, other, slope, r - kReach);
       const auto same =
           hn::AndNot(hn::Gt(hn::Abs(hn::Sub(other, centre)), jump), hn::Gt(other, hn::Zero(d16)));
       const auto g = hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].gradient + at));
@@ -454,7 +503,7 @@ class Refiner::StripRows {
  public:
   void Prepare(int width) {
     const std::size_t stride = Padded(width) + 2 * kRowMargin;
-    constexpr std::size_t kNumResiduals = 5;
+    constexpr std::size_t kNumResiduals = 6;
     constexpr std::size_t kNumShorts = 3 + kNumResiduals * kRing + 3;
     if (width != width_) {
       width_ = width;
@@ -464,7 +513,7 @@ class Refiner::StripRows {
       const auto take_floats = [&] { return std::exchange(next_float, next_float + stride) + kRowMargin; };
       columns = {take_shorts(), take_shorts(), take_shorts()};
       for (ResidualRow& row : ring_)
-        row = {take_shorts(), take_shorts(), take_shorts(), take_shorts(), take_shorts()};
+        row = {take_shorts(), take_shorts(), take_shorts(), take_shorts(), take_shorts(), take_shorts()};
       sums = {take_shorts(), take_shorts(), take_shorts(), take_floats(), take_floats(), take_floats()};
       disparity = take_floats();
       sigma = take_floats();
@@ -472,6 +521,7 @@ class Refiner::StripRows {
     // No row has entered the sums yet.
     std::fill_n(shorts_.data(), kNumShorts * stride, std::int16_t{0});
     std::fill_n(floats_.data(), 5 * stride, 0.0f);
+    for (ResidualRow& row : ring_) row.any_steep = false;
   }
   ResidualRow& At(int v) { return ring_[(v + 2 * kRing) % kRing]; }
   /// Rows v - kReach to v + kReach.
@@ -502,13 +552,14 @@ Refiner::Refiner(const RefinementSettings& settings)
     : settings_(settings), scratch_(std::make_unique<Scratch>()) {}
 Refiner::~Refiner() = default;
 
-void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma) {
+void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma,
+                     const Steepness& steepness) {
   scratch_->given.Set(disparity);
-  Refine(left, right, scratch_->given, disparity, sigma);
+  Refine(left, right, scratch_->given, disparity, sigma, steepness);
 }
 
 void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& given, cv::Mat1f& disparity,
-                     cv::Mat1f* sigma) {
+                     cv::Mat1f* sigma, const Steepness& steepness) {
   const int height = left.rows;
   const int num_strips = (height + kRowsPerStrip - 1) / kRowsPerStrip;
   Scratch& scratch = *scratch_;
@@ -527,8 +578,8 @@ void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& g
     const bool last = iteration == settings_.iterations;
     ParallelFor(num_strips, [&](int strip) {
       const int top = strip * kRowsPerStrip;
-      RefineStrip(top, std::min(top + kRowsPerStrip, height), limits, given, last ? &disparity : nullptr,
-                  last ? sigma : nullptr);
+      RefineStrip(top, std::min(top + kRowsPerStrip, height), limits, given, steepness,
+                  last ? &disparity : nullptr, last ? sigma : nullptr);
     });
     if (!last) std::swap(given, scratch.refined);
   }
@@ -536,7 +587,7 @@ void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& g
 
 /// Three steps, each a few rows behind the one before.
 void Refiner::RefineStrip(int top, int bottom, const RefineLimits& limits, const UnitImage& given,
-                          cv::Mat1f* disparity, cv::Mat1f* sigma) {
+                          const Steepness& steepness, cv::Mat1f* disparity, cv::Mat1f* sigma) {
   const int width = scratch_->padded_left.cols - 2 * kImageBorder, height = scratch_->padded_left.rows;
   StripRows& rows = scratch_->rows.local();
   rows.Prepare(width);
@@ -546,13 +597,15 @@ void Refiner::RefineStrip(int top, int bottom, const RefineLimits& limits, const
   for (int v = top - kReach; v < bottom + kReach; ++v) {
     const std::int16_t* around[] = {given_row(v - 2), given_row(v - 1), given_row(v), given_row(v + 1),
                                     given_row(v + 2)};
-    HWY_DYNAMIC_DISPATCH(DisparitiesOfColumns)
-    (around, width, rows.columns);
     const int v_image = std::clamp(v, 0, height - 1);
+    ResidualRow& row = rows.At(v);
+    row.any_steep =
+        steepness.surfaces && steepness.surfaces->SlopesOfRow(v_image, steepness.scale, width, row.slope);
+    HWY_DYNAMIC_DISPATCH(DisparitiesOfColumns)(around, row, width, rows.columns);
     HWY_DYNAMIC_DISPATCH(ResidualsOfRow)
     (&scratch_->padded_left(v_image, kImageBorder), &scratch_->padded_right(v_image, kImageBorder), around,
-     rows.columns, width, limits, rows.At(v));
-    HWY_DYNAMIC_DISPATCH(MoveColumnSums)(rows.At(v), rows.At(v - kRing + 1), width, rows.sums);
+     rows.columns, width, limits, row);
+    HWY_DYNAMIC_DISPATCH(MoveColumnSums)(row, rows.At(v - kRing + 1), width, rows.sums);
 
     const int v_refined = v - kReach;
     if (v_refined < top) continue;

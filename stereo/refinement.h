@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "stereo/disparity_units.h"
+#include "stereo/steep_surfaces.h"
 
 namespace terrace {
 
@@ -25,7 +26,8 @@ struct RefinementSettings {
 /// Moves each disparity to where the 5x5 windows of the two images agree best: a Lucas-Kanade step (1981)
 /// along the row. Brightness differences cancel out: the gain of the whole pair is measured, the offset of
 /// each window removed. The window follows the surface, since each of its pixels is taken at its own
-/// disparity, and stops at depth edges.
+/// disparity, and stops at depth edges: at neighbours that differ by more than the surface's own slope
+/// explains.
 class Refiner {
  public:
   explicit Refiner(const RefinementSettings& settings);
@@ -34,16 +36,17 @@ class Refiner {
   /// @param disparity  in: right to about a pixel, NaN where unknown; out: refined.
   /// @param sigma      out: standard deviation [px] from texture and residual, NaN where unknown. Null: not
   /// wanted.
-  void Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma);
+  void Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma,
+              const Steepness& steepness = {});
   /// @param given  in: disparities; out: anything
   void Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& given, cv::Mat1f& disparity,
-              cv::Mat1f* sigma);
+              cv::Mat1f* sigma, const Steepness& steepness = {});
 
  private:
   class StripRows;
   class Scratch;
   void RefineStrip(int top, int bottom, const RefineLimits& limits, const UnitImage& given,
-                   cv::Mat1f* disparity, cv::Mat1f* sigma);
+                   const Steepness& steepness, cv::Mat1f* disparity, cv::Mat1f* sigma);
 
   RefinementSettings settings_;
   std::unique_ptr<Scratch> scratch_;

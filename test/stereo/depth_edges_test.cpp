@@ -53,6 +53,24 @@ TEST(DepthEdgesTest, MovesAnEdgeThatIsThreePixelsOffToItsPlace) {
   EXPECT_LT(invented, 0.2 * kHidden * kHeight);
 }
 
+TEST(DepthEdgesTest, TakesASteepSurfaceForNoEdge) {
+  const SlantedPlane plane{10.0, 0.0, 0.9};
+  // So little texture that noise says which disparity agrees best.
+  const StereoFrame frame = RenderPlane(kWidth, kHeight, plane, {.contrast = 2});
+  cv::Mat1f disparity(kHeight, kWidth);
+  for (int v = 0; v < kHeight; ++v) disparity.row(v).setTo(static_cast<float>(plane.At(0, v)) + 0.4f);
+  const cv::Mat1f given = disparity.clone();
+  SteepSurfaces steep;
+  steep.Measure(given);
+  UnitImage units;
+  units.Set(disparity);
+  DepthEdgeSharpener({}).Sharpen(frame.left, frame.right, units, {&steep, 1});
+  int moved = 0;
+  for (int v = 3; v < kHeight - 3; ++v)
+    for (int u = 50; u < kWidth; ++u) moved += std::abs(units.Px(v, u) - given(v, u)) > 0.1f;
+  EXPECT_EQ(moved, 0);
+}
+
 TEST(DepthEdgesTest, GivesAnUnknownPixelItsNeighboursDisparityOnlyWhereTheImagesAgree) {
   const float unknown = std::numeric_limits<float>::quiet_NaN();
   StereoFrame frame = RenderPlane(kWidth, kHeight, {kFar, 0, 0});

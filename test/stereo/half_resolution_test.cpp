@@ -31,6 +31,18 @@ TEST(HalfResolutionTest, DoublesASlantedPlaneExactlyInsideTheImage) {
     for (int u = 1; u < 21; ++u) EXPECT_NEAR(full(v, u), 8.0 + 0.1 * u + 0.2 * v, 1e-5) << u << ' ' << v;
 }
 
+TEST(HalfResolutionTest, DoublesASteepPlaneExactlyInsideTheImage) {
+  cv::Mat1f half(30, 64), full(60, 128);
+  for (int j = 0; j < half.rows; ++j)
+    for (int i = 0; i < half.cols; ++i)
+      half(j, i) = static_cast<float>((8.0 + 0.1 * (2 * i + 0.5) + 1.5 * (2 * j + 0.5)) / 2.0);
+  SteepSurfaces steep;
+  steep.Measure(half);
+  DoubleDisparity(half, full, steep);
+  for (int v = 1; v < 59; ++v)
+    for (int u = 1; u < 127; ++u) EXPECT_NEAR(full(v, u), 8.0 + 0.1 * u + 1.5 * v, 1e-4) << u << ' ' << v;
+}
+
 TEST(HalfResolutionTest, NeitherMixesSurfacesNorFillsHoles) {
   cv::Mat1f half(4, 6, 5.0f), full(8, 12);
   for (int j = 0; j < 4; ++j) half(j, 4) = half(j, 5) = 10.0f;

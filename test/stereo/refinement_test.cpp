@@ -53,6 +53,33 @@ TEST(RefinementTest, FindsAPlaneFromRoughDisparitiesDespiteGainAndOffset) {
   EXPECT_LT(std::sqrt(squares / count), 0.06);
 }
 
+TEST(RefinementTest, FindsASteepPlane) {
+  // Five rows of a window differ by 3.6 px; each row's disparities are off together, as matching leaves them.
+  const SlantedPlane plane{12.2, 0.01, 0.9};
+  const StereoFrame frame = RenderPlane(240, 60, plane, {.contrast = 30, .noise = 1.0});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> offset(-0.5f, 0.5f);
+  cv::Mat1f rough = RoughDisparity(240, 60, plane, 0.3);
+  for (int v = 0; v < 60; ++v) {
+    const float off = offset(random);
+    for (int u = 0; u < 240; ++u) rough(v, u) += off;
+  }
+  SteepSurfaces steep;
+  steep.Measure(rough);
+  const auto rms_of = [&](const Steepness& steepness) {
+    cv::Mat1f disparity = rough.clone(), sigma;
+    Refiner({}).Refine(frame.left, frame.right, disparity, &sigma, steepness);
+    double squares = 0.0;
+    int count = 0;
+    for (int v = 4; v < 56; ++v)
+      for (int u = 80; u < 237; ++u)
+        if (!std::isnan(disparity(v, u))) squares += std::pow(disparity(v, u) - plane.At(u, v), 2), ++count;
+    return std::sqrt(squares / count);
+  };
+  EXPECT_LT(rms_of({&steep, 1}), 0.12);
+  EXPECT_GT(rms_of({}), 0.3);  // what the slope is for
+}
+
 TEST(RefinementTest, IsHardlyDrawnToHalfPixelsByNoise) {
   // Between pixels the right image is smoother: there its noise seems less.
   const Photometry light = {.contrast = 12, .mean = 110, .noise = 3.0};
@@ -89,10 +116,14 @@ TEST(RefinementTest, GivesTheSameBitsOnEveryTarget) {
   cv::Mat1f rough = RoughDisparity(101, 37, plane, 0.5);
   for (int v = 10; v < 20; ++v)
     for (int u = 50; u < 60; ++u) rough(v, u) += 7.0f;  // another surface
+  for (int v = 20; v < 37; ++v)
+    for (int u = 0; u < 101; ++u) rough(v, u) += 0.8f * static_cast<float>(v - 20);  // steep
+  SteepSurfaces steep;
+  steep.Measure(rough);
   std::vector<cv::Mat1f> disparities, sigmas;
   OnEveryTarget([&] {
     cv::Mat1f disparity = rough.clone(), sigma;
-    Refiner({}).Refine(frame.left, frame.right, disparity, &sigma);
+    Refiner({}).Refine(frame.left, frame.right, disparity, &sigma, {&steep, 1});
     disparities.push_back(disparity), sigmas.push_back(sigma);
   });
   for (std::size_t i = 1; i < disparities.size(); ++i) {
