@@ -14,74 +14,15 @@
 #include <octomap/OcTreeDataNode.h>
 
 #include "core/check.h"
+#include "mapping/frame_leaves.h"
+#include "mapping/leaf_pool.h"
 
 namespace terrace {
 namespace {
 
 constexpr unsigned kTreeDepth = 16;
 constexpr int kKeyOffset = 1 << (kTreeDepth - 1);  // OctoMap's key of the world's origin
-constexpr int kNothing = -1;
 constexpr int kTilePx = 4;  // free space is judged by tiles of this many pixels
-
-/// Weighted sums over the points of one leaf, from which mean and covariance follow without the points.
-/// Points are taken relative to the leaf's centre, so that floats keep enough digits far from the origin.
-struct PointMoments {
-  float weight = 0.0F;  // sum of 1 / variance
-  float num_points = 0.0F;
-  std::array<float, 3> sum{};        // weight * p
-  std::array<float, 6> sum_outer{};  // weight * p p^T: xx xy xz yy yz zz
-
-  void Add(float w, const Eigen::Vector3f& p) {
-    weight += w;
-    num_points += 1.0F;
-    const float wx = w * p.x(), wy = w * p.y(), wz = w * p.z();
-    sum[0] += wx;
-    sum[1] += wy;
-    sum[2] += wz;
-    sum_outer[0] += wx * p.x();
-    sum_outer[1] += wx * p.y();
-    sum_outer[2] += wx * p.z();
-    sum_outer[3] += wy * p.y();
-    sum_outer[4] += wy * p.z();
-    sum_outer[5] += wz * p.z();
-  }
-  void Add(const PointMoments& other) {
-    weight += other.weight;
-    num_points += other.num_points;
-    for (int i = 0; i < 3; ++i) sum[i] += other.sum[i];
-    for (int i = 0; i < 6; ++i) sum_outer[i] += other.sum_outer[i];
-  }
-  void Scale(float factor) {
-    weight *= factor;
-    num_points *= factor;
-    for (float& value : sum) value *= factor;
-    for (float& value : sum_outer) value *= factor;
-  }
-};
-
-/// What is known of the surface in a leaf: a cache line.
-struct alignas(64) Leaf {
-  PointMoments moments;
-  Eigen::Vector3f view_sum = Eigen::Vector3f::Zero();  // weight * unit direction of view
-  float num_frames = 0.0F;                             // that put points into it
-  float spacing_m = 0.0F;
-};
-static_assert(sizeof(Leaf) == 64);
-
-/// Whether a leaf is occupied, and what says so. Apart from the surface, since every frame checks many leaves
-/// that it adds nothing to.
-struct Evidence {
-  std::array<std::uint8_t, 3> corner{};  // lowest one, from that of the cell, in finest leaves
-  std::uint8_t level = 0;
-  // Frames that had the leaf in view, nothing in front of it, when its turn came to be checked; and those of
-  // them that put points into it.
-  float num_views = 0.0F;
-  float num_hits = 0.0F;
-  FrameId hit_frame = -1;
-  int credit = 0;  // frames that hit it minus frames that saw through it; cleared below zero
-  bool enough_points = false;
-  bool occupied = false;
-};
 
 /// Where a leaf of a cell comes when the octree is walked: eighth by eighth, coarse ones before what they
 /// hold.
@@ -99,57 +40,6 @@ struct Cell {
   int num_changed_leaves = 0;  // occupied or no longer, since it was last reported
   FrameId reported_frame = -1000;
   FrameId touched_frame = -1;
-};
-
-/// Slots that are used again, addressed by index.
-template <typename T>
-class Pool {
- public:
-  int Take() {
-    if (!free_.empty()) {
-      const int index = free_.back();
-      free_.pop_back();
-      items_[index] = T{};
-      return index;
-    }
-    items_.emplace_back();
-    return static_cast<int>(items_.size()) - 1;
-  }
-  void GiveBack(int index) { free_.push_back(index); }
-  T& operator[](int index) { return items_[index]; }
-  const T& operator[](int index) const { return items_[index]; }
-  std::int64_t num_used() const { return static_cast<std::int64_t>(items_.size() - free_.size()); }
-  std::int64_t memory_bytes() const {
-    return static_cast<std::int64_t>(items_.capacity() * sizeof(T) + free_.capacity() * sizeof(int));
-  }
-
- private:
-  std::vector<T> items_;
-  std::vector<int> free_;
-};
-
-/// Both parts of the leaves, by the same index.
-class LeafPool {
- public:
-  int Take() {
-    const int index = leaves_.Take();
-    if (static_cast<std::size_t>(index) == evidence_.size()) evidence_.emplace_back();
-    evidence_[index] = {};
-    return index;
-  }
-  void GiveBack(int index) { leaves_.GiveBack(index); }
-  Leaf& leaf(int index) { return leaves_[index]; }
-  const Leaf& leaf(int index) const { return leaves_[index]; }
-  Evidence& evidence(int index) { return evidence_[index]; }
-  const Evidence& evidence(int index) const { return evidence_[index]; }
-  std::int64_t num_used() const { return leaves_.num_used(); }
-  std::int64_t memory_bytes() const {
-    return leaves_.memory_bytes() + static_cast<std::int64_t>(evidence_.capacity() * sizeof(Evidence));
-  }
-
- private:
-  Pool<Leaf> leaves_;
-  std::vector<Evidence> evidence_;
 };
 
 /// The value of a node is a slot: of a Cell at the depth of cells, of a Leaf below, kNothing above and where
@@ -214,79 +104,6 @@ int Floor(float x) {
   const int towards_zero = static_cast<int>(x);
   return towards_zero - static_cast<int>(static_cast<float>(towards_zero) > x);
 }
-
-struct FrameLeaf {
-  std::uint64_t packed = 0;  // level and key
-  PointMoments moments;
-
-  /// Of the leaf's lowest corner.
-  octomap::OcTreeKey key() const {
-    return {static_cast<octomap::key_type>(packed >> 32), static_cast<octomap::key_type>(packed >> 16),
-            static_cast<octomap::key_type>(packed)};
-  }
-  int level() const { return static_cast<int>(packed >> 48); }
-};
-
-/// The leaves that one frame touches: an open-addressing table that is emptied in no time.
-class FrameLeaves {
- public:
-  /// @param width  of the image, whose points come in rows
-  explicit FrameLeaves(int width)
-      : slots_(std::size_t{1} << 15), above_(static_cast<std::size_t>(width / kColumn) + 1) {}
-
-  void Clear() {
-    leaves_.clear();
-    std::fill(above_.begin(), above_.end(), 0);
-    ++generation_;
-  }
-  /// @param u  column of the image: most points lie in the leaf of the one to their left or above
-  FrameLeaf& At(const octomap::OcTreeKey& key, int level, int u) {
-    const std::uint64_t packed = (std::uint64_t(level) << 48) | (std::uint64_t(key[0]) << 32) |
-                                 (std::uint64_t(key[1]) << 16) | std::uint64_t(key[2]);
-    std::uint32_t& above = above_[static_cast<std::size_t>(u / kColumn)];
-    if (above < leaves_.size() && leaves_[above].packed == packed) return leaves_[above];
-    if (leaves_.size() * 2 >= slots_.size()) Grow();
-    Slot& slot = Find(packed);
-    if (slot.generation != generation_) {
-      slot = {packed, generation_, static_cast<std::uint32_t>(leaves_.size())};
-      leaves_.push_back({packed, {}});
-    }
-    above = slot.index;
-    return leaves_[slot.index];
-  }
-  const std::vector<FrameLeaf>& leaves() const { return leaves_; }
-  std::int64_t memory_bytes() const {
-    return static_cast<std::int64_t>(slots_.capacity() * sizeof(Slot) +
-                                     leaves_.capacity() * sizeof(FrameLeaf) +
-                                     above_.capacity() * sizeof(std::uint32_t));
-  }
-
- private:
-  struct Slot {
-    std::uint64_t packed = 0;
-    std::uint32_t generation = 0;
-    std::uint32_t index = 0;
-  };
-  Slot& Find(std::uint64_t packed) {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t at = (packed * 0x9E3779B97F4A7C15ULL) >> 20 & mask;
-    while (slots_[at].generation == generation_ && slots_[at].packed != packed) at = (at + 1) & mask;
-    return slots_[at];
-  }
-  void Grow() {
-    std::vector<Slot> old(slots_.size() * 2);
-    old.swap(slots_);
-    for (const Slot& slot : old)
-      if (slot.generation == generation_) Find(slot.packed) = slot;
-  }
-
-  std::vector<Slot> slots_;
-  std::vector<FrameLeaf> leaves_;
-  std::vector<std::uint32_t> above_;  // by column: the leaf of the point last seen there
-  std::uint32_t generation_ = 1;
-
-  static constexpr int kColumn = 4;  // pixels; a leaf is seldom narrower
-};
 
 }  // namespace
 
@@ -401,7 +218,7 @@ class TerrainOctree::Impl {
         offset[i] += static_cast<float>(index[i] - low);
         index[i] = low;
       }
-      FrameLeaf& leaf = frame_leaves_.At(KeyAt(index), level, point.u);
+      FrameLeaf& leaf = frame_leaves_.At(AddressOf(index, level), point.u);
       leaf.moments.Add(1.0F / variance, offset * leaf_m);
       float& tile = TileAt(point);
       tile = std::max(tile, fb / point.p_left.z());
@@ -425,59 +242,100 @@ class TerrainOctree::Impl {
     return tile_disparity_[static_cast<std::size_t>(point.v / kTilePx) * tiles_x_ + point.u / kTilePx];
   }
 
+  static LeafAddress AddressOf(const Eigen::Vector3i& index, int level) {
+    return {static_cast<std::uint16_t>(index.x()), static_cast<std::uint16_t>(index.y()),
+            static_cast<std::uint16_t>(index.z()), level};
+  }
+
+  std::array<std::uint8_t, 3> CornerInCell(const LeafAddress& address) const {
+    const int in_cell = config_.leaves_per_cell - 1;
+    return {static_cast<std::uint8_t>(address.x() & in_cell), static_cast<std::uint8_t>(address.y() & in_cell),
+            static_cast<std::uint8_t>(address.z() & in_cell)};
+  }
+
+  static octomap::OcTreeKey KeyAt(const LeafAddress& address) {
+    return {address.x(), address.y(), address.z()};
+  }
   static octomap::OcTreeKey KeyAt(const Eigen::Vector3i& index) {
     return {static_cast<octomap::key_type>(index.x()), static_cast<octomap::key_type>(index.y()),
             static_cast<octomap::key_type>(index.z())};
   }
 
   void AddToTree(FrameId frame_id, const Eigen::Vector3d& camera_world) {
-    for (const FrameLeaf& seen : frame_leaves_.leaves()) AddLeaf(seen, frame_id, camera_world);
+    constexpr std::size_t kAhead = 8;  // leaves that memory has time for while others are added to
+    const std::vector<FrameLeaf>& frame_leaves = frame_leaves_.leaves();
+    for (std::size_t i = 0; i < frame_leaves.size(); ++i) {
+      if (i + kAhead < frame_leaves.size() && frame_leaves[i + kAhead].place.leaf != kNothing)
+        leaves_.Prefetch(frame_leaves[i + kAhead].place.leaf);
+      const FrameLeaf& seen = frame_leaves[i];
+      coarse_.clear();
+      const LeafPlace place = IsStill(seen) ? seen.place : FindOrMake(seen.address, frame_id);
+      Cell& cell = cells_[place.cell];
+      cell.weight += seen.moments.weight;
+      Touch(KeyOf(KeyAt(seen.address)), frame_id, &cell);
+      if (place.leaf != kNothing) AddLeaf(seen, place.leaf, frame_id, camera_world, &cell);
+    }
   }
 
-  void AddLeaf(const FrameLeaf& seen, FrameId frame_id, const Eigen::Vector3d& camera_world) {
-    const octomap::OcTreeKey key = seen.key();
+  /// Whether the leaf is where an earlier frame found it, and without coarser ones above it.
+  bool IsStill(const FrameLeaf& seen) const {
+    if (seen.place.leaf == kNothing) return false;
+    const Evidence& evidence = leaves_.evidence(seen.place.leaf);
+    return evidence.cell == seen.place.cell && evidence.level == seen.address.level() &&
+           evidence.corner == CornerInCell(seen.address) && evidence.alone;
+  }
+
+  /// Walks down the octree to a leaf, and makes it; no leaf where the place is known more finely already. The
+  /// coarser leaves on the way are hit, too, and left in `coarse_`.
+  LeafPlace FindOrMake(LeafAddress address, FrameId frame_id) {
+    const octomap::OcTreeKey key = KeyAt(address);
     Node* node = CellNodeOf(key);
-    Cell& cell = cells_[node->getValue()];
-    cell.weight += seen.moments.weight;
-    Touch(KeyOf(key), frame_id, &cell);
-    // Down to the leaf.
-    const unsigned depth = kTreeDepth - static_cast<unsigned>(seen.level());
-    std::array<Node*, 8> coarse{};
-    std::size_t num_coarse = 0;
+    LeafPlace place{kNothing, node->getValue()};
+    const unsigned depth = kTreeDepth - static_cast<unsigned>(address.level());
     for (unsigned child_depth = cell_depth_ + 1; child_depth <= depth; ++child_depth) {
       const unsigned child = static_cast<unsigned>(ChildIndex(key, child_depth));
       node = tree_.GetOrMakeChild(node, child);
       if (child_depth == depth || node->getValue() == kNothing) continue;
-      coarse[num_coarse++] = node;
+      coarse_.push_back(node);
       leaves_.evidence(node->getValue()).hit_frame = frame_id;
     }
     if (node->getValue() == kNothing) {
-      if (tree_.nodeHasChildren(node)) return;  // known more finely already
+      if (tree_.nodeHasChildren(node)) return place;
       node->setValue(leaves_.Take());
       Evidence& evidence = leaves_.evidence(node->getValue());
-      for (int axis = 0; axis < 3; ++axis)
-        evidence.corner[axis] = static_cast<std::uint8_t>(key[axis] & (config_.leaves_per_cell - 1));
-      evidence.level = static_cast<std::uint8_t>(seen.level());
+      evidence.corner = CornerInCell(address);
+      evidence.level = static_cast<std::uint8_t>(address.level());
+      evidence.cell = place.cell;
+      std::vector<int>& in_cell = cells_[place.cell].leaves;
       const auto at =
-          std::lower_bound(cell.leaves.begin(), cell.leaves.end(), Rank(evidence),
+          std::lower_bound(in_cell.begin(), in_cell.end(), Rank(evidence),
                            [&](int other, int rank) { return Rank(leaves_.evidence(other)) < rank; });
-      cell.leaves.insert(at, node->getValue());
+      in_cell.insert(at, node->getValue());
     }
-    Leaf& leaf = leaves_.leaf(node->getValue());
+    place.leaf = node->getValue();
+    leaves_.evidence(place.leaf).alone = coarse_.empty();
+    frame_leaves_.Remember(address, place);
+    return place;
+  }
+
+  void AddLeaf(const FrameLeaf& seen, int index, FrameId frame_id, const Eigen::Vector3d& camera_world,
+               Cell* cell) {
+    Leaf& leaf = leaves_.leaf(index);
     AddToLeaf(seen, camera_world, &leaf);
-    Evidence& evidence = leaves_.evidence(node->getValue());
+    Evidence& evidence = leaves_.evidence(index);
     evidence.hit_frame = frame_id;
     evidence.credit = std::min(evidence.credit + 1, config_.free_frames);
     evidence.enough_points = leaf.moments.num_points >= static_cast<float>(config_.min_points) &&
                              leaf.num_frames >= static_cast<float>(config_.min_frames);
     // Coarse leaves, seen from afar, give way to a finer one that is well known.
     if (leaf.num_frames < kFramesToReplace) return;
-    for (std::size_t i = 0; i < num_coarse; ++i) {
-      std::erase(cell.leaves, coarse[i]->getValue());
-      leaves_.GiveBack(coarse[i]->getValue());
-      coarse[i]->setValue(kNothing);
-      ++cell.num_changed_leaves;
+    for (Node* coarse : coarse_) {
+      std::erase(cell->leaves, coarse->getValue());
+      leaves_.GiveBack(coarse->getValue());
+      coarse->setValue(kNothing);
+      ++cell->num_changed_leaves;
     }
+    evidence.alone = true;
   }
 
   void Touch(const CellKey& key, FrameId frame_id, Cell* cell) {
@@ -493,9 +351,9 @@ class TerrainOctree::Impl {
       leaf->view_sum *= fade;
       leaf->num_frames *= fade;
     }
-    const octomap::OcTreeKey key = seen.key();
-    const double half = 0.5 * (1 << seen.level());
-    const Eigen::Vector3d centre = config_.leaf_size_m * (Eigen::Vector3d(key[0], key[1], key[2]) +
+    const LeafAddress& at = seen.address;
+    const double half = 0.5 * (1 << at.level());
+    const Eigen::Vector3d centre = config_.leaf_size_m * (Eigen::Vector3d(at.x(), at.y(), at.z()) +
                                                           Eigen::Vector3d::Constant(half - kKeyOffset));
     const Eigen::Vector3d ray = centre - camera_world;
     const float range = static_cast<float>(ray.norm());
@@ -744,6 +602,7 @@ class TerrainOctree::Impl {
   LeafPool leaves_;
   Pool<Cell> cells_;
   FrameLeaves frame_leaves_;
+  std::vector<Node*> coarse_;     // above the leaf that is being added to
   std::vector<CellKey> touched_;  // by the frame at hand, each once
   std::set<CellKey> waiting_;     // for a fit
   CellKey last_cell_key_;

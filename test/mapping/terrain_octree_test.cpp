@@ -72,7 +72,7 @@ TEST(TerrainOctreeTest, ReportsFewCellsWhenTheSameViewComesAgainAndAgain) {
   EXPECT_LT(static_cast<double>(late) / 10.0, 0.6 * static_cast<double>(first));
 }
 
-TEST(TerrainOctreeTest, ClearsTheBoxThatHasLeft) {
+TEST(TerrainOctreeTest, ClearsTheBoxThatHasLeftAndShowsItWhenItComesBack) {
   PlaneWorld empty;
   empty.AddFloor(-1, 4, -2, 2, 0);
   PlaneWorld with_box = empty;
@@ -91,6 +91,8 @@ TEST(TerrainOctreeTest, ClearsTheBoxThatHasLeft) {
   ASSERT_GT(num_raised(), 20);
   for (int i = 10; i < 30; ++i) InsertView(empty, LookFrom(i, 0, 0, 0.45, 0, 0.5), &octree, &random);
   EXPECT_EQ(num_raised(), 0);
+  for (int i = 30; i < 40; ++i) InsertView(with_box, LookFrom(i, 0, 0, 0.45, 0, 0.5), &octree, &random);
+  EXPECT_GT(num_raised(), 20);
 }
 
 TEST(TerrainOctreeTest, ClearsTheFaceThatHasLeftInFrontOfAWallTooFarToBeMapped) {

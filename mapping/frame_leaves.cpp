@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/frame_leaves.h"
+
+#include <algorithm>
+
+namespace terrace {
+
+void FrameLeaves::Clear() {
+  leaves_.clear();
+  std::fill(above_.begin(), above_.end(), 0);
+  ++generation_;
+}
+
+FrameLeaf& FrameLeaves::At(LeafAddress address, int u) {
+  std::uint32_t& above = above_[static_cast<std::size_t>(u / kColumn)];
+  if (above < leaves_.size() && leaves_[above].address == address) return leaves_[above];
+  if (leaves_.size() * 2 >= slots_.size()) Grow();
+  Slot& slot = Find(address);
+  if (slot.generation != generation_) {
+    const LeafPlace place = slot.address == address ? slot.place : LeafPlace{};
+    slot = {address, place, generation_, static_cast<std::uint32_t>(leaves_.size())};
+    leaves_.push_back({address, {}, place});
+  }
+  above = slot.index;
+  return leaves_[slot.index];
+}
+
+std::int64_t FrameLeaves::memory_bytes() const {
+  return static_cast<std::int64_t>(slots_.capacity() * sizeof(Slot) + leaves_.capacity() * sizeof(FrameLeaf) +
+                                   above_.capacity() * sizeof(std::uint32_t));
+}
+
+FrameLeaves::Slot& FrameLeaves::Find(LeafAddress address) {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t at = (address.packed * 0x9E3779B97F4A7C15ULL) >> 20 & mask;
+  while (slots_[at].generation == generation_ && slots_[at].address != address) at = (at + 1) & mask;
+  return slots_[at];
+}
+
+void FrameLeaves::Grow() {
+  std::vector<Slot> old(slots_.size() * 2);
+  old.swap(slots_);
+  for (const Slot& slot : old)
+    if (slot.generation == generation_) Find(slot.address) = slot;
+}
+
+}  // namespace terrace
