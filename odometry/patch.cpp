@@ -22,7 +22,12 @@ constexpr float kMinUsed = kArea / 3.0f;
 constexpr std::uint8_t kTooBright = 1;
 constexpr std::uint8_t kTooDark = 2;
 
+/// A template with a border of one sample, for the gradients.
+constexpr int kWide = kSize + 2;
+static_assert(kSize % 4 == 0);
+
 typedef float Float4 __attribute__((vector_size(16)));
+typedef std::int32_t Int4 __attribute__((vector_size(16)));
 typedef std::uint8_t Byte4 __attribute__((vector_size(4)));
 typedef std::uint8_t Byte16 __attribute__((vector_size(16)));
 
@@ -36,6 +41,7 @@ Float4 LoadBytes(const std::uint8_t* p) {
   std::memcpy(&v, p, sizeof v);
   return __builtin_convertvector(v, Float4);
 }
+void Store(float* p, const Float4& v) { std::memcpy(p, &v, sizeof v); }
 float Sum(const Float4& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
 float Dot(const float* a, const float* b) {
@@ -47,18 +53,6 @@ float Total(const float* a) {
   Float4 sum{};
   for (int i = 0; i < kArea; i += 4) sum += Load(a + i);
   return Sum(sum);
-}
-
-float Bilinear(const cv::Mat1b& image, float x, float y) {
-  const int ix = static_cast<int>(x);
-  const int iy = static_cast<int>(y);
-  const float fx = x - static_cast<float>(ix);
-  const float fy = y - static_cast<float>(iy);
-  const std::uint8_t* row0 = image[iy] + ix;
-  const std::uint8_t* row1 = row0 + image.step;
-  const float top = row0[0] + fx * static_cast<float>(row0[1] - row0[0]);
-  const float bottom = row1[0] + fx * static_cast<float>(row1[1] - row1[0]);
-  return top + fy * (bottom - top);
 }
 
 /// True when a bilinear sample can be taken at (x, y).
@@ -194,50 +188,98 @@ bool SampleUpright(const cv::Mat1b& image, const Eigen::Vector2f& position, floa
   return true;
 }
 
+/// Offsets from the centre of the samples of a square, row by row.
+template <int kSide>
+struct SquareOffsets {
+  static constexpr int kCount = kSide * kSide;
+  static_assert(kCount % 4 == 0);
+  alignas(16) float u[kCount];
+  alignas(16) float v[kCount];
+
+  constexpr SquareOffsets() : u{}, v{} {
+    for (int k = 0; k < kCount; ++k) {
+      u[k] = static_cast<float>(k % kSide) - 0.5f * (kSide - 1);
+      v[k] = static_cast<float>(k / kSide) - 0.5f * (kSide - 1);
+    }
+  }
+};
+constexpr SquareOffsets<kSize> kOffsets;
+constexpr SquareOffsets<kWide> kWideOffsets;
+
+/// Bilinear samples where `place(du, dv, x, y)` puts each offset; all of them must lie inside the image.
+template <int kSide, typename Place>
+void Sample(const cv::Mat1b& image, const SquareOffsets<kSide>& offsets, const Place& place, float* samples) {
+  const std::uint8_t* const pixels = image.data;
+  const auto step = static_cast<std::ptrdiff_t>(image.step);
+  for (int k = 0; k < offsets.kCount; k += 4) {
+    Float4 x, y;
+    place(Load(offsets.u + k), Load(offsets.v + k), x, y);
+    const Int4 ix = __builtin_convertvector(x, Int4);
+    const Int4 iy = __builtin_convertvector(y, Int4);
+    const Float4 fx = x - __builtin_convertvector(ix, Float4);
+    const Float4 fy = y - __builtin_convertvector(iy, Float4);
+    // Of each sample the four pixels around it, a byte each.
+    const auto Around = [&](int i) {
+      const std::uint8_t* const above = pixels + iy[i] * step + ix[i];
+      const std::uint8_t* const below = above + step;
+      return static_cast<std::int32_t>(static_cast<std::uint32_t>(above[0] | above[1] << 8) |
+                                       static_cast<std::uint32_t>(below[0] | below[1] << 8) << 16);
+    };
+    const Int4 four{Around(0), Around(1), Around(2), Around(3)};
+    const auto Corner = [&four](int byte) {
+      return __builtin_convertvector((four >> 8 * byte) & 255, Float4);
+    };
+    const Float4 a = Corner(0), b = Corner(1), c = Corner(2), d = Corner(3);
+    const Float4 top = a + fx * (b - a);
+    const Float4 bottom = c + fx * (d - c);
+    Store(samples + k, top + fy * (bottom - top));
+  }
+}
+
 }  // namespace
 
 bool ExtractTemplate(const cv::Mat1b& image, const Eigen::Vector2f& centre,
                      const Eigen::Matrix2f& A_image_template, PatchTemplate& patch) {
-  constexpr int kWide = kSize + 2;  // one more on each side for the gradients
+  const Eigen::Matrix2f& A = A_image_template;
   const float reach = 0.5f * (kWide - 1);
-  const Eigen::Vector2f extent = A_image_template.cwiseAbs() * Eigen::Vector2f(reach, reach);
+  const Eigen::Vector2f extent = A.cwiseAbs() * Eigen::Vector2f(reach, reach);
   if (!(Inside(image, centre.x() - extent.x(), centre.y() - extent.y()) &&
         Inside(image, centre.x() + extent.x(), centre.y() + extent.y())))
     return false;
 
-  float wide[kWide * kWide];
-  for (int j = 0; j < kWide; ++j) {
-    for (int i = 0; i < kWide; ++i) {
-      const float du = static_cast<float>(i) - reach;
-      const float dv = static_cast<float>(j) - reach;
-      wide[j * kWide + i] =
-          Bilinear(image, centre.x() + A_image_template(0, 0) * du + A_image_template(0, 1) * dv,
-                   centre.y() + A_image_template(1, 0) * du + A_image_template(1, 1) * dv);
-    }
-  }
+  alignas(16) float wide[kWide * kWide];
+  Sample(
+      image, kWideOffsets,
+      [&](const Float4& du, const Float4& dv, Float4& x, Float4& y) {
+        x = centre.x() + A(0, 0) * du + A(0, 1) * dv;
+        y = centre.y() + A(1, 0) * du + A(1, 1) * dv;
+      },
+      wide);
 
   patch.clipped = MayBeClipped(image, centre, extent);
   if (patch.clipped) {
     for (int k = 0; k < kArea; ++k) {
       const Eigen::Vector2f o(PatchTemplate::Offset(k % kSize), PatchTemplate::Offset(k / kSize));
-      const Eigen::Vector2f at = centre + A_image_template * o;
+      const Eigen::Vector2f at = centre + A * o;
       patch.clip[k] = ClipAt(image, at.x(), at.y());
     }
   }
 
   float mean = 0.0f;
-  for (int j = 0; j < kSize; ++j)
-    for (int i = 0; i < kSize; ++i) mean += wide[(j + 1) * kWide + i + 1];
-  mean /= kArea;
-
   for (int j = 0; j < kSize; ++j) {
-    for (int i = 0; i < kSize; ++i) {
-      const float* at = wide + (j + 1) * kWide + i + 1;
-      patch.value[j * kSize + i] = *at - mean;
-      patch.gradient_u[j * kSize + i] = 0.5f * (at[1] - at[-1]);
-      patch.gradient_v[j * kSize + i] = 0.5f * (at[kWide] - at[-kWide]);
+    const float* const row = wide + (j + 1) * kWide + 1;
+    for (int i = 0; i < kSize; ++i) mean += row[i];
+    for (int i = 0; i < kSize; i += 4) {
+      const float* const at = row + i;
+      Store(patch.gradient_u + j * kSize + i, 0.5f * (Load(at + 1) - Load(at - 1)));
+      Store(patch.gradient_v + j * kSize + i, 0.5f * (Load(at + kWide) - Load(at - kWide)));
     }
   }
+  mean /= kArea;
+  for (int j = 0; j < kSize; ++j)
+    for (int i = 0; i < kSize; i += 4)
+      Store(patch.value + j * kSize + i, Load(wide + (j + 1) * kWide + i + 1) - mean);
+
   Float4 uu{}, uv{}, ut{}, u1{}, vv{}, vt{}, v1{}, tt{};
   for (int i = 0; i < kArea; i += 4) {
     const Float4 gu = Load(patch.gradient_u + i);
@@ -395,11 +437,13 @@ bool AlignStereo(const cv::Mat1b& left, const cv::Mat1b& right, const Eigen::Vec
     const float x = position_left.x() - disparity;
     if (!(Inside(right, x - reach, y - extent) && Inside(right, x + reach, y + extent))) return false;
     alignas(16) float samples[kArea];
-    for (int k = 0; k < kArea; ++k) {
-      const float du = PatchTemplate::Offset(k % kSize);
-      const float dv = PatchTemplate::Offset(k / kSize);
-      samples[k] = Bilinear(right, x + du - gradient_u * du - gradient_v * dv, y + dv);
-    }
+    Sample(
+        right, kOffsets,
+        [&](const Float4& du, const Float4& dv, Float4& u, Float4& v) {
+          u = x + du - gradient_u * du - gradient_v * dv;
+          v = y + dv;
+        },
+        samples);
     Vector6f sums;
     for (int a = 0; a < 5; ++a) sums[a] = Dot(basis[a], samples);
     sums[5] = Total(samples);

@@ -20,6 +20,45 @@ cv::Mat1b Render(Grey grey) {
   return image;
 }
 
+/// What a template samples, one at a time.
+float PlainBilinear(const cv::Mat1b& image, float x, float y) {
+  const int u = static_cast<int>(x), v = static_cast<int>(y);
+  const float fx = x - static_cast<float>(u), fy = y - static_cast<float>(v);
+  const auto Across = [&](int row) {
+    const float a = image(row, u), b = image(row, u + 1);
+    return a + fx * (b - a);
+  };
+  return Across(v) + fy * (Across(v + 1) - Across(v));
+}
+
+TEST(PatchTest, SamplesTheSameBitsAsOneAtATime) {
+  cv::Mat1b image = Render([](double u, double v) { return Texture(u, v); });
+  image(cv::Rect(50, 30, 9, 7)).setTo(255);
+  const cv::Mat1b part = image(cv::Rect(3, 2, 110, 70));  // rows farther apart than they are long
+  Eigen::Matrix2f A;
+  A << 0.83f, 0.17f, -0.06f, 1.21f;
+  for (const Eigen::Vector2f& centre : {Eigen::Vector2f(50.3f, 33.8f), Eigen::Vector2f(20.0f, 21.49f)}) {
+    PatchTemplate patch;
+    ASSERT_TRUE(ExtractTemplate(part, centre, A, patch));
+    const auto Sample = [&](float du, float dv) {
+      return PlainBilinear(part, centre.x() + A(0, 0) * du + A(0, 1) * dv,
+                           centre.y() + A(1, 0) * du + A(1, 1) * dv);
+    };
+    float mean = 0.0f;
+    for (int k = 0; k < PatchTemplate::kArea; ++k)
+      mean += Sample(PatchTemplate::Offset(k % PatchTemplate::kSize),
+                     PatchTemplate::Offset(k / PatchTemplate::kSize));
+    mean /= PatchTemplate::kArea;
+    for (int k = 0; k < PatchTemplate::kArea; ++k) {
+      const float du = PatchTemplate::Offset(k % PatchTemplate::kSize);
+      const float dv = PatchTemplate::Offset(k / PatchTemplate::kSize);
+      EXPECT_EQ(patch.value[k], Sample(du, dv) - mean) << k;
+      EXPECT_EQ(patch.gradient_u[k], 0.5f * (Sample(du + 1, dv) - Sample(du - 1, dv))) << k;
+      EXPECT_EQ(patch.gradient_v[k], 0.5f * (Sample(du, dv + 1) - Sample(du, dv - 1))) << k;
+    }
+  }
+}
+
 TEST(PatchTest, FindsAShiftToAFewHundredthsOfAPixelUnderOtherBrightnessAndContrast) {
   const cv::Mat1b first = Render([](double u, double v) { return Texture(u, v); });
   const cv::Mat1b second = Render([](double u, double v) { return 0.6 * Texture(u - 1.3, v + 0.7) + 40.0; });
