@@ -2,13 +2,14 @@
 #include "stereo/disparity_filters.h"
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
+#include "stereo/disparity_units.h"
 #include "stereo/unknown_disparity.h"
 
 namespace terrace {
 namespace {
-
 
 /// Runs of connected pixels, joined to pieces by union-find.
 class Pieces {
@@ -42,19 +43,28 @@ struct Run {
 
 }  // namespace
 
-void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity) {
+void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity, const Steepness& steepness) {
   Pieces pieces;
+  std::vector<float> level(disparity.cols, max_difference), sloped(disparity.cols);
+  std::vector<std::int16_t> slopes((disparity.cols + 63) / 64 * 64);
   std::vector<Run> runs;
   std::vector<std::size_t> row_begin = {0};
   for (int v = 0; v < disparity.rows; ++v) {
     const float* row = disparity[v];
+    const float* max_differences = level.data();
+    if (steepness.surfaces &&
+        steepness.surfaces->SlopesOfRow(v, steepness.scale, disparity.cols, slopes.data())) {
+      for (int u = 0; u < disparity.cols; ++u)
+        sloped[u] = max_difference + std::abs(static_cast<float>(slopes[u])) / UnitImage::kUnitsPerPx;
+      max_differences = sloped.data();
+    }
     for (int u = 0; u < disparity.cols;) {
       if (std::isnan(row[u])) {
         ++u;
         continue;
       }
       int end = u + 1;
-      while (end < disparity.cols && std::abs(row[end] - row[end - 1]) <= max_difference) ++end;
+      while (end < disparity.cols && std::abs(row[end] - row[end - 1]) <= max_differences[end]) ++end;
       runs.push_back({u, end, pieces.Add(end - u)});
       u = end;
     }
@@ -67,7 +77,7 @@ void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity) 
       for (std::size_t k = i; k < row_begin[v] && runs[k].begin < runs[j].end; ++k) {
         const int begin = std::max(runs[k].begin, runs[j].begin), end = std::min(runs[k].end, runs[j].end);
         int u = begin;
-        while (u < end && std::abs(row[u] - above[u]) > max_difference) ++u;
+        while (u < end && std::abs(row[u] - above[u]) > max_differences[u]) ++u;
         if (u < end) pieces.Join(runs[k].piece, runs[j].piece);
       }
     }

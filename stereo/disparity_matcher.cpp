@@ -211,7 +211,7 @@ class DisparityMatcher::Impl {
   void MatchAgain(const StereoFrame& frame, cv::Mat1f& rough, cv::Mat1f& disparity) {
     FillFromFurther(rough);
     full_matcher_.MatchNear(frame.left, frame.right, rough, disparity);
-    RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity);
+    RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity, {&steep_, 2});
   }
 
   /// The work of the first rounds costs a quarter at half the size, and sees twice as far.
@@ -223,14 +223,15 @@ class DisparityMatcher::Impl {
     half_matcher_.Match(half_left_, half_right_, range, half_disparity_, Expect(prior, frame, range));
     if (2 * range > config_.max_disparity_px)
       half_disparity_.setTo(kUnknownDisparity, half_disparity_ > 0.5 * config_.max_disparity_px);
-    RemoveSpeckles(config_.min_piece_px / 4, kMaxSlope, half_disparity_);
     steep_.Measure(half_disparity_);
+    // A quarter of the pixels, but noise holds together better.
+    RemoveSpeckles(config_.min_piece_px / 2, kMaxSlope, half_disparity_, {&steep_, 1});
     half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr, {&steep_, 1});
     DoubleDisparity(half_disparity_, disparity, steep_);
   }
 
   static constexpr int kAroundRegionPx = 32;  // from which paths and windows reach into a region
-  static constexpr float kMaxSlope = 2.0f;    // pixels of disparity between neighbours of one piece
+  static constexpr float kMaxSlope = 1.0f;    // pixels of disparity between neighbours of one piece
 
   DisparityConfig config_;
   SemiGlobalMatcher half_matcher_, full_matcher_;

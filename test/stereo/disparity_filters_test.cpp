@@ -12,7 +12,6 @@
 namespace terrace {
 namespace {
 
-
 /// Size of each pixel's piece by flooding from it.
 int SlowPieceSize(const cv::Mat1f& disparity, int u, int v, float max_difference) {
   cv::Mat1b seen = cv::Mat1b::zeros(disparity.rows, disparity.cols);
@@ -32,6 +31,21 @@ int SlowPieceSize(const cv::Mat1f& disparity, int u, int v, float max_difference
     }
   }
   return size;
+}
+
+TEST(RemoveSpecklesTest, KeepsASteepSurfaceThoughItsRowsDiffer) {
+  cv::Mat1f disparity(20, 64);
+  for (int v = 0; v < 20; ++v) disparity.row(v).setTo(10.0f + 1.8f * static_cast<float>(v));
+  SteepSurfaces steep;
+  steep.Measure(disparity);
+  cv::Mat1f with = disparity.clone(), without = disparity.clone();
+  RemoveSpeckles(100, 1.0f, with, {&steep, 1});
+  RemoveSpeckles(100, 1.0f, without);
+  for (int v = 0; v < 20; ++v)
+    for (int u = 0; u < 64; ++u) {
+      EXPECT_FALSE(std::isnan(with(v, u))) << u << ' ' << v;
+      EXPECT_TRUE(std::isnan(without(v, u))) << u << ' ' << v;
+    }
 }
 
 TEST(RemoveSpecklesTest, RemovesWhatFloodingFindsTooSmall) {
