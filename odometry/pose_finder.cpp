@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <set>
 #include <utility>
 
@@ -19,6 +20,40 @@ constexpr double kDoubtful = 0.8;
 /// Frames that agreed with a landmark: from then on it is known to stand still.
 constexpr int kKnownFrames = 3;
 constexpr double kKnownTrust = 0.3;
+
+/// On which the image is compared as a whole.
+constexpr int kSmallLevel = ImagePyramid::kNumLevels - 1;
+
+/// Normalised correlation of what two images of one size have in common when the second is shifted by (du,
+/// dv).
+double Likeness(const cv::Mat1b& first, const cv::Mat1b& second, int du, int dv) {
+  const int u0 = std::max(0, -du), u1 = std::min(first.cols, first.cols - du);
+  const int v0 = std::max(0, -dv), v1 = std::min(first.rows, first.rows - dv);
+  std::int64_t sum_a = 0, sum_b = 0, square_a = 0, square_b = 0, cross = 0;
+  for (int v = v0; v < v1; ++v) {
+    const std::uint8_t* const a = first[v];
+    const std::uint8_t* const b = second[v + dv] + du;
+    std::int32_t row_a = 0, row_b = 0, row_aa = 0, row_bb = 0, row_ab = 0;
+    for (int u = u0; u < u1; ++u) {
+      row_a += a[u];
+      row_b += b[u];
+      row_aa += a[u] * a[u];
+      row_bb += b[u] * b[u];
+      row_ab += a[u] * b[u];
+    }
+    sum_a += row_a;
+    sum_b += row_b;
+    square_a += row_aa;
+    square_b += row_bb;
+    cross += row_ab;
+  }
+  const double n = static_cast<double>(u1 - u0) * (v1 - v0);
+  const auto Central = [n](std::int64_t product, std::int64_t a, std::int64_t b) {
+    return static_cast<double>(product) - static_cast<double>(a) * static_cast<double>(b) / n;
+  };
+  const double variances = Central(square_a, sum_a, sum_a) * Central(square_b, sum_b, sum_b);
+  return Central(cross, sum_a, sum_b) / std::sqrt(std::max(variances, 1.0));
+}
 
 bool Known(const Landmark& landmark) {
   return landmark.num_tracked >= kKnownFrames && landmark.trust() >= kKnownTrust;
@@ -53,6 +88,7 @@ std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const Im
     only_strangers_ = FollowsStrangers(fine, expected);
     if (only_strangers_) continue;
     UpdateNoiseScale(fine.solution);
+    last_small_ = left[kSmallLevel];
     fine.doubt = Doubt(fine, candidates, expected);
     return fine;
   }
@@ -131,6 +167,18 @@ std::vector<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, con
     if (Believed()) break;
   }
   if (!Believed()) {
+    // How much of it is a turn, and how much a step past what is near, shows by trying.
+    const auto shift_px = ShiftOfImage(left);
+    for (const double share : {0.25, 0.5, 0.75, 1.0}) {
+      if (!shift_px || Believed()) break;
+      const Eigen::Vector2d turn_rad =
+          share * shift_px->cwiseQuotient(Eigen::Vector2d(camera_.fx, camera_.fy));
+      Eigen::Isometry3d turned = T_expected;
+      turned.linear() = expected.T_world_seen.linear() * ExpRotation({turn_rad.y(), -turn_rad.x(), 0.0});
+      Follow(turned);
+    }
+  }
+  if (!Believed()) {
     PosePrior vague = expected.prior;
     vague.information *= 0.1;
     const double turn_rad = std::sqrt(Inverse(expected.prior.information).topLeftCorner<3, 3>().trace());
@@ -145,6 +193,27 @@ std::vector<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, con
   constexpr double kRate = 0.1;
   usual_share_ += kRate * (candidates.front().share - usual_share_);
   return candidates;
+}
+
+/// Texture that repeats itself misleads a search for single patches, but the image as a whole fits in one
+/// place only.
+/// @return what the image of the last tracked frame moved by since
+std::optional<Eigen::Vector2d> PoseFinder::ShiftOfImage(const ImagePyramid& left) const {
+  const cv::Mat1b& image = left[kSmallLevel];
+  if (last_small_.size() != image.size()) return std::nullopt;
+  constexpr double kMinLikeness = 0.5;
+  const int reach = image.cols / 5;
+  double best = kMinLikeness;
+  std::optional<Eigen::Vector2d> shift_px;
+  for (int dv = -reach; dv <= reach; ++dv) {
+    for (int du = -reach; du <= reach; ++du) {
+      const double likeness = Likeness(last_small_, image, du, dv);
+      if (likeness <= best) continue;
+      best = likeness;
+      shift_px = Eigen::Vector2d(du, dv) * (1 << kSmallLevel);
+    }
+  }
+  return shift_px;
 }
 
 /// With two motions of which one is the true one, the covariance about the believed one is the square of

@@ -61,6 +61,7 @@ class PoseFinder {
   /// Best first: what explains most, then the other motions that were considered.
   std::vector<Found> FindRoughly(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
                                  const Expectation& expected);
+  std::optional<Eigen::Vector2d> ShiftOfImage(const ImagePyramid& left) const;
   std::optional<Matrix6d> Doubt(const Found& fine, const std::vector<Found>& rough,
                                 const Expectation& expected) const;
   void UpdateNoiseScale(const PoseSolution& solution);
@@ -69,6 +70,7 @@ class PoseFinder {
   LandmarkTracker tracker_;
   int min_inliers_;
   bool only_strangers_ = false;
+  cv::Mat1b last_small_;      ///< coarsest level of the image that was tracked last
   double usual_share_ = 0.5;  ///< running mean of Found::share of the rough search
   double noise_scale_ = 1.0;  ///< variance of residuals over what the patches claim
 };

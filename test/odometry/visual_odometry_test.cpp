@@ -22,7 +22,8 @@ constexpr int kTextureSize = 512;
 /// A floor 0.5 m below the camera and a wall 3 m ahead, both with smooth noise on them.
 class TinyWorld {
  public:
-  TinyWorld() {
+  /// @param period_px  after which the texture repeats itself, a power of two
+  explicit TinyWorld(int period_px = kTextureSize) : period_px_(period_px) {
     std::mt19937 random(1);
     cv::Mat1f noise(kTextureSize, kTextureSize);
     for (float& value : noise) value = static_cast<float>(random() % 1000) / 1000.0f;
@@ -63,12 +64,13 @@ class TinyWorld {
  private:
   double Grey(double x, double y) const {
     const double fx = x - std::floor(x), fy = y - std::floor(y);
-    const int ix = static_cast<int>(std::floor(x)) & (kTextureSize - 1),
-              iy = static_cast<int>(std::floor(y)) & (kTextureSize - 1);
-    const int jx = (ix + 1) & (kTextureSize - 1), jy = (iy + 1) & (kTextureSize - 1);
+    const int ix = static_cast<int>(std::floor(x)) & (period_px_ - 1),
+              iy = static_cast<int>(std::floor(y)) & (period_px_ - 1);
+    const int jx = (ix + 1) & (period_px_ - 1), jy = (iy + 1) & (period_px_ - 1);
     return (1 - fy) * ((1 - fx) * texture_(iy, ix) + fx * texture_(iy, jx)) +
            fy * ((1 - fx) * texture_(jy, ix) + fx * texture_(jy, jx));
   }
+  int period_px_;
   cv::Mat1f texture_;
 };
 
@@ -400,6 +402,22 @@ TEST(VisualOdometryTest, PublishesNoJumpAsCertainWhenItStumblesBeforeAMovingBoar
     }
   }
   EXPECT_GT(num_doubtful, 0);
+}
+
+TEST(VisualOdometryTest, FollowsAJerkOfTheHeadWhereTextureRepeatsItself) {
+  const TinyWorld repeating(64);
+  VisualOdometry odometry({}, kCamera, {});
+  PoseEstimate first;
+  for (int i = 0; i < 16; ++i) {
+    Vector6d jerk = Vector6d::Zero();
+    if (i >= 12) jerk[0] = 0.3;  // 60 px at once: farther than patches are followed
+    const Eigen::Isometry3d T_start_left = Perturb(Walk(i), jerk);
+    const PoseEstimate pose = odometry.Track(repeating.Frame(i, T_start_left), {});
+    if (i == 0) first = pose;
+    EXPECT_EQ(pose.status, TrackingStatus::kTracking) << "frame " << i;
+    const Vector6d error = StepBetween(Walk(0).inverse() * T_start_left, FromStart(first, pose));
+    EXPECT_LT(1e3 * error.tail<3>().norm(), 4.0) << "frame " << i;
+  }
 }
 
 TEST(VisualOdometryTest, FindsTheWayAfterAGapInWhichTheCameraWalkedOn) {
