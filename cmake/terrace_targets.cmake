@@ -48,7 +48,9 @@ function(terrace_test name)
   target_link_libraries(terrace_${name}_test PRIVATE terrace::options ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
   # What is tested is built as it runs on the robot; the tests' own code need not be, and compiles a quarter faster.
   target_compile_options(terrace_${name}_test PRIVATE $<$<CONFIG:Release>:-O1>)
-  gtest_discover_tests(terrace_${name}_test DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${name};${ARG_LABELS}")
+  # Temporary files lie in the build folder, so that the tests of two checkouts can run side by side.
+  gtest_discover_tests(terrace_${name}_test DISCOVERY_TIMEOUT 60
+                       PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${name};${ARG_LABELS}" ENVIRONMENT TEST_TMPDIR=${CMAKE_CURRENT_BINARY_DIR})
 endfunction()
 
 # terrace_bench(NAME SOURCES... [LINK targets...])
