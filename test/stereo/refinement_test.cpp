@@ -80,6 +80,29 @@ TEST(RefinementTest, FindsASteepPlane) {
   EXPECT_GT(rms_of({}), 0.3);  // what the slope is for
 }
 
+/// 68 % quantile of error / sigma.
+double ErrorInSigmas(const SlantedPlane& plane, const Photometry& light, double error_given_px) {
+  const StereoFrame frame = RenderPlane(400, 120, plane, light);
+  cv::Mat1f disparity = RoughDisparity(400, 120, plane, error_given_px), sigma;
+  Refiner({}).Refine(frame.left, frame.right, disparity, &sigma);
+  std::vector<double> errors;
+  for (int v = 3; v < 117; ++v)
+    for (int u = 30; u < 397; ++u)
+      if (!std::isnan(disparity(v, u)))
+        errors.push_back(std::abs(disparity(v, u) - plane.At(u, v)) / sigma(v, u));
+  const auto quantile = errors.begin() + static_cast<std::ptrdiff_t>(0.68 * static_cast<double>(errors.size()));
+  std::nth_element(errors.begin(), quantile, errors.end());
+  return *quantile;
+}
+
+TEST(RefinementTest, KnowsHowWrongItMayBeAtEveryTextureAndNoise) {
+  for (const Photometry& light : std::vector<Photometry>{{.contrast = 25, .mean = 110, .noise = 1.0},
+                                                         {.contrast = 15, .mean = 110, .noise = 1.0},
+                                                         {.contrast = 15, .mean = 110, .noise = 3.0},
+                                                         {.contrast = 5, .mean = 40, .noise = 1.0}})
+    EXPECT_NEAR(ErrorInSigmas({16.3, 0.02, 0.03}, light, 0.4), 1.0, 0.25) << light.contrast << " " << light.noise;
+}
+
 TEST(RefinementTest, IsHardlyDrawnToHalfPixelsByNoise) {
   // Between pixels the right image is smoother: there its noise seems less.
   const Photometry light = {.contrast = 12, .mean = 110, .noise = 3.0};
