@@ -20,6 +20,8 @@
 #define TERRACE_STEREO_WINNER_ONCE_
 namespace terrace {
 constexpr std::uint8_t kSaturated = 255;  // a sum that may stand for anything above
+/// A claim on a pixel of the right view is its sum times this and the disparity: the less the better.
+constexpr std::int32_t kClaimSum = 1 << 16;
 }  // namespace terrace
 #endif
 
@@ -135,8 +137,8 @@ void FindWinnersOfRow(const SumsRow& row, const std::uint8_t* limit_of_sum, cons
 }
 
 /// The disparities of the left view's winners that the right view's agree with.
-/// @param right_disparity  of the right view; one more pixel before the first, for claims outside the image
-void DisparitiesOfRow(const SumsRow& row, const WinnersRow& winners, const std::int32_t* right_disparity,
+/// @param right_claims  the best on each pixel of the right view
+void DisparitiesOfRow(const SumsRow& row, const WinnersRow& winners, const std::int32_t* right_claims,
                       int max_error, float* disparity) {
   const hn::ScalableTag<float> df;
   const hn::RebindToSigned<decltype(df)> di;
@@ -149,8 +151,10 @@ void DisparitiesOfRow(const SumsRow& row, const WinnersRow& winners, const std::
     const auto index = bytes(winners.index + u), sum = bytes(winners.sum + u);
     const auto first = hn::PromoteTo(di, hn::LoadU(d16, row.first + u));
     const auto d = hn::Sub(hn::Add(first, hn::Set(di, row.num_disparities - 1)), index);
-    const auto x = hn::Max(hn::Sub(hn::Iota(di, u), d), hn::Set(di, -1));
-    const auto in_right = hn::GatherIndex(di, right_disparity, hn::Min(x, hn::Set(di, row.width - 1)));
+    const auto x = hn::Sub(hn::Iota(di, u), d);
+    const auto in_image = hn::Min(hn::Max(x, hn::Zero(di)), hn::Set(di, row.width - 1));
+    const auto claim = hn::GatherIndex(di, right_claims, in_image);
+    const auto in_right = hn::And(claim, hn::Set(di, kClaimSum - 1));
     const auto possible = hn::And(hn::Gt(d, hn::Set(di, -1)), hn::Gt(x, hn::Set(di, -1)));
     const auto known =
         hn::And(hn::And(hn::Ne(bytes(winners.unique + u), hn::Zero(di)), hn::Ne(sum, saturated)),
@@ -180,7 +184,7 @@ namespace {
 // Before it, all disparities that stay in the right image are neighbours of each other: nothing to choose
 // from.
 constexpr int kFirstChoice = 3;
-constexpr int kNobody = -1000;
+constexpr int kAnyError = 1000;
 constexpr int kPadding = 64;  // elements behind the rows, which vectors may touch
 
 }  // namespace
@@ -199,19 +203,17 @@ void WinnerChooser::Choose(const SumsRow& row, float* disparity) {
   HWY_DYNAMIC_DISPATCH(FindWinnersOfRow)(row, limit_of_sum_.data(), winners);
 
   // The right view: of all pixels that claim a pixel of the right image, the one with the least sum has it.
-  right_disparity_.assign(row.width + 1, kNobody);
-  right_sum_.assign(row.width, kSaturated);
-  std::int32_t* right_disparity = right_disparity_.data() + 1;
-  for (int u = 0; u < row.width; ++u) {
+  // Who claims a pixel is who asks for it later. Without branches, as nobody can predict them.
+  right_claims_.assign(row.width, kClaimSum * (kSaturated + 1));
+  std::int32_t* const right_claims = right_claims_.data();
+  for (int u = 0, width = row.width; u < width; ++u) {
     const int d = row.first[u] + n - 1 - winners.index[u];
-    if (d >= 0 && u >= d && winners.sum[u] < right_sum_[u - d]) {
-      right_sum_[u - d] = winners.sum[u];
-      right_disparity[u - d] = d;
-    }
+    if (d < 0 || d > u) continue;
+    right_claims[u - d] = std::min(right_claims[u - d], kClaimSum * winners.sum[u] + d);
   }
   disparity_.resize(padded_width);
-  const int max_error = rules_.max_left_right_error >= 0 ? rules_.max_left_right_error : -2 * kNobody;
-  HWY_DYNAMIC_DISPATCH(DisparitiesOfRow)(row, winners, right_disparity, max_error, disparity_.data());
+  const int max_error = rules_.max_left_right_error >= 0 ? rules_.max_left_right_error : kAnyError;
+  HWY_DYNAMIC_DISPATCH(DisparitiesOfRow)(row, winners, right_claims, max_error, disparity_.data());
   std::fill_n(disparity_.begin(), std::min(kFirstChoice, row.width), kUnknownDisparity);
   std::copy_n(disparity_.begin(), row.width, disparity);
 }

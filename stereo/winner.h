@@ -50,8 +50,7 @@ class WinnerChooser {
   WinnerRules rules_;
   std::array<std::uint8_t, 256> limit_of_sum_;  ///< that a rival must exceed
   std::vector<std::uint8_t> bytes_;             ///< of the winners
-  std::vector<std::int32_t> right_disparity_;
-  std::vector<std::uint8_t> right_sum_;
+  std::vector<std::int32_t> right_claims_;
   std::vector<float> disparity_;
 };
 
