@@ -2,6 +2,7 @@
 #include "stereo/census.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
@@ -18,6 +19,13 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#ifndef TERRACE_STEREO_CENSUS_ONCE_
+#define TERRACE_STEREO_CENSUS_ONCE_
+namespace terrace {
+constexpr int kPairsPerPlane = 8;  // bits of a byte
+}  // namespace terrace
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace terrace {
 namespace HWY_NAMESPACE {
@@ -26,13 +34,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// One row of one plane. `pixel` is (0, v) of an image with at least kBorder + one vector of pixels around
 /// it.
 void CensusRow(const std::uint8_t* pixel, std::ptrdiff_t stride, int width, const CensusPair* pairs,
-               int num_pairs, std::uint8_t* plane) {
+               std::uint8_t* plane) {
   const hn::ScalableTag<std::uint8_t> d;
+  std::ptrdiff_t at_first[kPairsPerPlane], at_second[kPairsPerPlane];
+  for (int i = 0; i < kPairsPerPlane; ++i) {
+    at_first[i] = pairs[i].dv1 * stride + pairs[i].du1;
+    at_second[i] = pairs[i].dv2 * stride + pairs[i].du2;
+  }
   for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(d))) {
     auto word = hn::Zero(d);
-    for (int i = 0; i < num_pairs; ++i) {
-      const auto first = hn::LoadU(d, pixel + u + pairs[i].dv1 * stride + pairs[i].du1);
-      const auto second = hn::LoadU(d, pixel + u + pairs[i].dv2 * stride + pairs[i].du2);
+    for (int i = 0; i < kPairsPerPlane; ++i) {
+      const auto first = hn::LoadU(d, pixel + u + at_first[i]), second = hn::LoadU(d, pixel + u + at_second[i]);
       const auto bit = hn::Set(d, static_cast<std::uint8_t>(1u << i));
       word = hn::Or(word, hn::IfThenElseZero(hn::Gt(first, second), bit));
     }
@@ -75,12 +87,14 @@ std::vector<CensusPair> CensusMixed() {
 }
 
 void CensusImage::Compute(const cv::Mat1b& image, const std::vector<CensusPair>& pairs) {
-  TERRACE_CHECK(!pairs.empty() && pairs.size() <= 8 * kNumPlanes, pairs.size());
+  TERRACE_CHECK(!pairs.empty() && pairs.size() <= kPairsPerPlane * kNumPlanes, pairs.size());
   for (const CensusPair& p : pairs)
     TERRACE_CHECK(std::max({std::abs(p.du1), std::abs(p.dv1), std::abs(p.du2), std::abs(p.dv2)}) <= kBorder);
   width_ = image.cols;
   height_ = image.rows;
-  const int num_pairs = static_cast<int>(pairs.size());
+  // A pixel is not brighter than itself: where there is no pair, the bit is 0.
+  std::array<CensusPair, kPairsPerPlane * kNumPlanes> all_pairs{};
+  std::copy(pairs.begin(), pairs.end(), all_pairs.begin());
   stride_ = static_cast<std::size_t>(kLeftMargin + (width_ + 63) / 64 * 64 + kRightMargin);
   bytes_.Reserve(stride_ * kNumPlanes * height_);
   // Vectors may run past the last pixel of a row: by less than 64 bytes.
@@ -92,7 +106,7 @@ void CensusImage::Compute(const cv::Mat1b& image, const std::vector<CensusPair>&
       std::memset(row + kLeftMargin + width_, 0, stride_ - kLeftMargin - width_);
       HWY_DYNAMIC_DISPATCH(CensusRow)
       (&padded_(v + kBorder, kBorder), static_cast<std::ptrdiff_t>(padded_.step), width_,
-       pairs.data() + 8 * plane, std::clamp(num_pairs - 8 * plane, 0, 8), row + kLeftMargin);
+       all_pairs.data() + kPairsPerPlane * plane, row + kLeftMargin);
     }
   });
 }

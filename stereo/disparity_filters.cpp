@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "stereo/disparity_units.h"
@@ -46,6 +47,7 @@ struct Run {
 void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity, const Steepness& steepness) {
   Pieces pieces;
   std::vector<float> level(disparity.cols, max_difference), sloped(disparity.cols);
+  std::vector<char> parted(disparity.cols);  // from the pixel before, or unknown
   std::vector<std::int16_t> slopes((disparity.cols + 63) / 64 * 64);
   std::vector<Run> runs;
   std::vector<std::size_t> row_begin = {0};
@@ -58,13 +60,16 @@ void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity, 
         sloped[u] = max_difference + std::abs(static_cast<float>(slopes[u])) / UnitImage::kUnitsPerPx;
       max_differences = sloped.data();
     }
+    for (int u = 1; u < disparity.cols; ++u)
+      parted[u] = !(std::abs(row[u] - row[u - 1]) <= max_differences[u]);
     for (int u = 0; u < disparity.cols;) {
       if (std::isnan(row[u])) {
         ++u;
         continue;
       }
-      int end = u + 1;
-      while (end < disparity.cols && std::abs(row[end] - row[end - 1]) <= max_differences[end]) ++end;
+      const void* next = std::memchr(parted.data() + u + 1, 1, disparity.cols - u - 1);
+      const int end =
+          next ? static_cast<int>(static_cast<const char*>(next) - parted.data()) : disparity.cols;
       runs.push_back({u, end, pieces.Add(end - u)});
       u = end;
     }

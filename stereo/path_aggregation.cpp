@@ -520,8 +520,11 @@ void DisparityRanges::Set(const cv::Mat_<std::int16_t>& first) {
   uniform_ = false;
   for (int v = 0; v < first.rows; ++v) {
     std::int16_t* row = first_.data() + static_cast<std::size_t>(v) * width_;
-    for (int u = 0; u < width_; ++u) row[u] = first(v, std::min(u, first.cols - 1));
-    for (int u = 0; u < first.cols; ++u) max_first_ = std::max<int>(max_first_, row[u]);
+    std::copy_n(first[v], first.cols, row);
+    std::fill(row + first.cols, row + width_, row[first.cols - 1]);
+    std::int16_t most = 0;
+    for (int u = 0; u < first.cols; ++u) most = std::max(most, row[u]);
+    max_first_ = std::max<int>(max_first_, most);
   }
 }
 

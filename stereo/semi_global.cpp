@@ -119,12 +119,14 @@ void SemiGlobalMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right, int
 
 void SemiGlobalMatcher::MatchNear(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1f& rough,
                                   cv::Mat1f& disparity) {
-  cv::Mat_<std::int16_t> first(rough.size());
+  near_first_.create(rough.size());
   ParallelFor(rough.rows, [&](int v) {
+    const float* from = rough[v];
+    std::int16_t* first = near_first_[v];
     for (int u = 0; u < rough.cols; ++u)
-      first(v, u) = static_cast<std::int16_t>(static_cast<int>(rough(v, u) + 0.5f) - kNearRange / 2);
+      first[u] = static_cast<std::int16_t>(static_cast<int>(from[u] + 0.5f) - kNearRange / 2);
   });
-  near_ranges_.Set(first);
+  near_ranges_.Set(near_first_);
   alignas(64) std::array<std::uint8_t, kNearRange> prior_costs;
   for (int k = 0; k < kNearRange; ++k)  // the largest disparity first
     prior_costs[k] = static_cast<std::uint8_t>(std::abs(kNearRange - 1 - k - kNearRange / 2) / 2);

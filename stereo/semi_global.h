@@ -67,6 +67,7 @@ class SemiGlobalMatcher {
   SemiGlobalSettings settings_;
   CensusImage left_census_, right_census_;
   StepPenalties step_penalties_;
+  cv::Mat_<std::int16_t> near_first_;  ///< disparity of each pixel's range
   DisparityRanges near_ranges_;
   cv::Size ranges_size_;
   std::vector<DisparityRanges> ranges_;  // the same for all pixels: those that begin at 0, 16, 32 ...
