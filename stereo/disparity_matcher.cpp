@@ -32,6 +32,7 @@ SemiGlobalSettings MatchingSettings(const DisparityConfig& config, const std::st
   SemiGlobalSettings settings;
   settings.census = CensusByName(config.census != "auto" ? config.census : best_census);
   settings.penalties = {config.small_step_penalty, config.large_step_penalty, config.edge_step_penalty};
+  settings.num_paths = config.paths;
   settings.winner.uniqueness_percent = config.uniqueness_percent;
   settings.winner.max_left_right_error = static_cast<int>(std::lround(config.max_left_right_error_px));
   return settings;
@@ -84,6 +85,7 @@ std::vector<std::string> DisparityConfig::Problems() const {
   need(tier == "fast" || tier == "quality", "tier is \"" + tier + "\", must be \"fast\" or \"quality\"");
   need(census == "auto" || census == "mixed" || census == "5x5" || census == "9x7",
        "census is \"" + census + "\", must be \"auto\", \"mixed\", \"5x5\" or \"9x7\"");
+  need(paths == 2 || paths == 4 || paths == 8, "paths is " + std::to_string(paths) + ", must be 2, 4 or 8");
   need(0 <= small_step_penalty && small_step_penalty <= edge_step_penalty &&
            edge_step_penalty <= large_step_penalty && large_step_penalty <= 50,
        "the penalties must hold 0 <= small_step_penalty <= edge_step_penalty <= large_step_penalty <= 50");

@@ -21,6 +21,10 @@ struct DisparityConfig {
   /// What is compared: "mixed" (keeps the edges of objects best), "5x5" (finest detail), "9x7" (steadiest in
   /// noise and darkness) or "auto" (mixed at half resolution, 9x7 at full).
   std::string census = "auto";
+  /// Along how many paths costs are summed into each pixel, in every match of a tier: 4, the straight ones;
+  /// 8, with the diagonals, which costs more and is right as often; or 2, those within the row, which costs
+  /// less.
+  int paths = 4;
   /// Penalty for a change of disparity by one between neighbours, in census bits (of 32).
   int small_step_penalty = 8;
   /// Penalty for a greater change where the image is flat; at most 50.

@@ -25,20 +25,31 @@ constexpr int kRowsTogether = 8;  // through which the horizontal paths run in l
 /// Bytes between the states of neighbouring pixels' paths. They hold 255, so that a disparity outside the
 /// range is never the best neighbour.
 constexpr int kPathPadding = 64;
+/// Bytes before the first pixel of a row of paths, and behind the last: room for a pixel beside the image,
+/// where diagonal paths begin.
+constexpr int kPathMargin = kPathPadding + 256 + kPathPadding;
+constexpr int kMinimaMargin = 64;
 /// Where the ranges of neighbours differ they hold at most 32 disparities, so that ranges shifted by this
 /// against each other do not touch: greater shifts are cut to it.
 constexpr int kMaxRangeThatShifts = 32;
 constexpr int kMaxShift = 33;
 
+/// From which column, counted from its own, the paths come into a pixel from the row before: the vertical one
+/// and the diagonal ones.
+constexpr int kFromColumn[] = {0, -1, 1};
+constexpr int kMostFromRow = 3;
+
 /// Where the work on a strip goes on.
 struct StripMemory {
   std::uint8_t* costs;        // of kRowsTogether rows
-  std::uint8_t* sums;         // of three paths, of all rows of the strip and one more
-  std::uint8_t* row_sums;     // of all four paths, of one row
-  std::uint8_t* paths[2];     // state of the vertical paths: the row before and this one
-  std::uint8_t* minima;       // of the vertical paths' last row
+  std::uint8_t* sums;         // of all paths but those from above, of all rows of the strip and one more
+  std::uint8_t* row_sums;     // of all paths, of one row
+  std::uint8_t* paths[2];     // state of the paths from row to row: the row before and this one
+  std::uint8_t* minima[2];    // of the same
   std::uint8_t *shifts, *p2;  // of ranges of 16: of kRowsTogether rows
-  std::size_t row_bytes;
+  std::ptrdiff_t row_bytes;
+  std::ptrdiff_t pixel_bytes;               // of the state of one path
+  std::ptrdiff_t path_bytes, minima_bytes;  // from one path's row to the next one's: vertical, diagonal
   int padded_width;
 };
 
@@ -51,9 +62,9 @@ alignas(64) constexpr std::uint8_t kNoCosts[256] = {};
 struct RowPointers {
   const std::uint8_t* left[CensusImage::kNumPlanes];
   const std::uint8_t* right[CensusImage::kNumPlanes];
-  const std::uint8_t* p2;
-  const std::int16_t* first;         // disparity of each pixel's range
-  const std::int16_t* first_before;  // the same in the row that the vertical path comes from
+  const std::uint8_t* p2[kMostFromRow];            // of the horizontal paths only the first
+  const std::int16_t* first;                       // disparity of each pixel's range
+  const std::int16_t* first_before[kMostFromRow];  // the same of the pixel that the path comes from
   const std::uint8_t* prior_costs;
   std::uint8_t* costs;
   std::uint8_t* sums;
@@ -118,18 +129,20 @@ HWY_INLINE hn::Vec<D> Hamming(D d, const hn::Vec<D>* left, const RowPointers& ro
   return cost;
 }
 
-/// What becomes of the values of a vertical path, and of the costs, which are computed on the way.
+/// What becomes of the values of the paths from row to row, and of the costs, which are computed on the way.
 enum class Sums {
-  kNone,  // outside the strip: neither is kept
-  kSet,   // the upward path: both are stored
-  kAdd,   // the downward path: with the other paths' sums it gives the row's
+  kNone,   // outside the strip: neither is kept
+  kCosts,  // no such paths: the costs are stored
+  kSet,    // the upward paths: both are stored
+  kAdd,    // the downward paths: with the other paths' sums they give the row's
 };
 
-/// The vertical path into one row.
-template <int kVectors, Sums kSums, class D>
+/// The paths into one row from the row before.
+template <int kVectors, bool kDiagonals, Sums kSums, class D>
 void VerticalRow(D d, const RowPointers& row, int width, int n, std::uint8_t p1, const StripMemory& memory) {
+  constexpr int kNumPaths = kDiagonals ? kMostFromRow : 1;
   for (int u0 = 0; u0 < width; u0 += kBlock) {
-    hn::Vec<Tag16> least[kBlock];
+    hn::Vec<Tag16> least[kNumPaths][kBlock];
     for (int i = 0; i < kBlock; ++i) {
       const int u = u0 + i;
       const hn::Vec<D> words[] = {hn::Set(d, row.left[0][u]), hn::Set(d, row.left[1][u]),
@@ -140,7 +153,8 @@ void VerticalRow(D d, const RowPointers& row, int width, int n, std::uint8_t p1,
       std::uint8_t* row_sums = memory.row_sums + static_cast<std::ptrdiff_t>(u) * n;
       const auto cost_of = [&](int k) HWY_ATTR {
         const auto cost = hn::Add(Hamming(d, words, row, right_u + k), hn::Load(d, row.prior_costs + k));
-        if constexpr (kSums == Sums::kSet) hn::Store(cost, d, costs + k);
+        if constexpr (kSums == Sums::kSet || kSums == Sums::kCosts || kDiagonals)
+          hn::Store(cost, d, costs + k);
         return cost;
       };
       const auto use = [&](int k, hn::Vec<D> value) HWY_ATTR {
@@ -148,11 +162,37 @@ void VerticalRow(D d, const RowPointers& row, int width, int n, std::uint8_t p1,
         if constexpr (kSums == Sums::kAdd)
           hn::Store(hn::SaturatedAdd(value, hn::Load(d, sums + k)), d, row_sums + k);
       };
-      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(u) * (n + kPathPadding);
-      least[i] = Step<kVectors>(d, n, memory.paths[0] + at + Shift(row.first_before[u], row.first[u]),
-                                memory.paths[1] + at, p1, row.p2[u], memory.minima[u], cost_of, use);
+      if constexpr (kSums == Sums::kCosts) {
+        for (int k = 0; k < n; k += static_cast<int>(hn::MaxLanes(d))) cost_of(k);
+        continue;
+      }
+      const auto step = [&](int path, const auto& cost_of_step, const auto& use_step) HWY_ATTR {
+        const int u_before = u + kFromColumn[path];
+        const bool begins = path > 0 && (u_before < 0 || u_before >= width);
+        const int shift = begins ? 0 : Shift(row.first_before[path][u], row.first[u]);
+        const std::ptrdiff_t in_paths = path * memory.path_bytes, in_minima = path * memory.minima_bytes;
+        least[path][i] =
+            Step<kVectors>(d, n, memory.paths[0] + in_paths + u_before * memory.pixel_bytes + shift,
+                           memory.paths[1] + in_paths + u * memory.pixel_bytes, p1, row.p2[path][u],
+                           memory.minima[0][in_minima + u_before], cost_of_step, use_step);
+      };
+      if constexpr (kDiagonals) {
+        HWY_ALIGN std::uint8_t diagonals[256];
+        const auto kept_cost_of = [&](int k) HWY_ATTR { return hn::Load(d, costs + k); };
+        step(1, cost_of, [&](int k, hn::Vec<D> value) HWY_ATTR { hn::Store(value, d, diagonals + k); });
+        step(2, kept_cost_of, [&](int k, hn::Vec<D> value) HWY_ATTR {
+          hn::Store(hn::AverageRound(value, hn::Load(d, diagonals + k)), d, diagonals + k);
+        });
+        step(0, kept_cost_of, [&](int k, hn::Vec<D> value) HWY_ATTR {
+          use(k, hn::AverageRound(value, hn::Load(d, diagonals + k)));
+        });
+      } else {
+        step(0, cost_of, use);
+      }
     }
-    hn::StoreU(MinimumOfEach(least), Tag16(), memory.minima + u0);
+    if constexpr (kSums != Sums::kCosts)
+      for (int path = 0; path < kNumPaths; ++path)
+        hn::StoreU(MinimumOfEach(least[path]), Tag16(), memory.minima[1] + path * memory.minima_bytes + u0);
   }
 }
 
@@ -182,7 +222,7 @@ void HorizontalRows(D d, const RowPointers* rows, int width, int n, std::uint8_t
         const int path = 2 * r + side;
         least[path] = Step<kVectors>(
             d, n, paths[(i + 1) & 1][path] + kPathPadding + Shift(row.first[u_before], row.first[u]),
-            paths[i & 1][path] + kPathPadding, p1, row.p2[u + side], minima[path], cost_of, use);
+            paths[i & 1][path] + kPathPadding, p1, row.p2[0][u + side], minima[path], cost_of, use);
       }
     hn::Store(MinimumOfEach(least), Tag16(), minima);
   }
@@ -286,15 +326,21 @@ HWY_INLINE hn::Vec<D> CostsOfBlocks(D d, const RowPointers& row, int u) {
 }
 
 /// VerticalRow for ranges of 16.
-template <Sums kSums, class D>
+template <bool kDiagonals, Sums kSums, class D>
 void VerticalRowOfBlocks(D d, const RowPointers& row, int width, std::uint8_t p1, const StripMemory& memory) {
   using B = Blocks<D>;
+  constexpr int kNumPaths = kDiagonals ? kMostFromRow : 1;
   const auto v_p1 = hn::Set(d, p1);
   const hn::FixedTag<std::int16_t, 8> d16;
   const hn::Rebind<std::int8_t, decltype(d16)> d8;
-  for (int u = 0; u < width; u += 8) {
-    const auto shift = hn::Sub(hn::LoadU(d16, row.first_before + u), hn::LoadU(d16, row.first + u));
-    hn::StoreU(hn::DemoteTo(d8, shift), d8, reinterpret_cast<std::int8_t*>(memory.shifts) + u);
+  for (int path = 0; path < kNumPaths; ++path) {
+    std::int8_t* shifts = reinterpret_cast<std::int8_t*>(memory.shifts) + path * memory.padded_width;
+    for (int u = 0; u < width; u += 8) {
+      const auto shift = hn::Sub(hn::LoadU(d16, row.first_before[path] + u), hn::LoadU(d16, row.first + u));
+      hn::StoreU(hn::DemoteTo(d8, shift), d8, shifts + u);
+    }
+    if (kFromColumn[path] < 0) shifts[0] = 0;  // where it begins
+    if (kFromColumn[path] > 0) shifts[width - 1] = 0;
   }
   for (int u = 0; u < width; u += B::kNum) {
     const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(u) * 16;
@@ -303,12 +349,20 @@ void VerticalRowOfBlocks(D d, const RowPointers& row, int width, std::uint8_t p1
       cost = hn::Load(d, row.costs + at);
     } else {
       cost = CostsOfBlocks(d, row, u);
-      if constexpr (kSums == Sums::kSet) hn::Store(cost, d, row.costs + at);
+      if constexpr (kSums != Sums::kNone) hn::Store(cost, d, row.costs + at);
     }
-    const auto best = B::Best(hn::Load(d, memory.paths[0] + at), B::Next(memory.shifts + u), false, v_p1,
-                              Replicate(d, B::Next(row.p2 + u)));
-    const auto value = hn::Add(cost, hn::Not(best));
-    hn::Store(hn::Not(hn::Sub(value, MinimumOfBlocks(d, value))), d, memory.paths[1] + at);
+    if constexpr (kSums == Sums::kCosts) continue;
+    const auto step = [&](int path) HWY_ATTR {
+      const std::ptrdiff_t in_paths = path * memory.path_bytes + at;
+      const auto before = hn::LoadU(d, memory.paths[0] + in_paths + 16 * kFromColumn[path]);
+      const auto best = B::Best(before, B::Next(memory.shifts + path * memory.padded_width + u), false, v_p1,
+                                Replicate(d, B::Next(row.p2[path] + u)));
+      const auto value = hn::Add(cost, hn::Not(best));
+      hn::Store(hn::Not(hn::Sub(value, MinimumOfBlocks(d, value))), d, memory.paths[1] + in_paths);
+      return value;
+    };
+    auto value = step(0);
+    if constexpr (kDiagonals) value = hn::AverageRound(value, hn::AverageRound(step(1), step(2)));
     if constexpr (kSums == Sums::kSet) hn::Store(value, d, row.sums + at);
     if constexpr (kSums == Sums::kAdd)
       hn::Store(hn::SaturatedAdd(value, hn::Load(d, row.sums + at)), d, memory.row_sums + at);
@@ -328,7 +382,7 @@ void HorizontalRowsOfBlocks(D d, const RowPointers* rows, int width, std::uint8_
     shifts[r] = shifts[width * kRowsTogether + r] = 0;
     for (int u = 1; u < width; ++u)
       shifts[u * kRowsTogether + r] = static_cast<std::uint8_t>(std::clamp(first[u - 1] - first[u], -99, 99));
-    for (int u = 0; u <= width; ++u) p2[u * kRowsTogether + r] = rows[r].p2[u];
+    for (int u = 0; u <= width; ++u) p2[u * kRowsTogether + r] = rows[r].p2[0][u];
   }
   const auto v_p1 = hn::Set(d, p1);
   HWY_ALIGN std::uint8_t states[2][kNumGroups][B::kNum * 16];
@@ -351,75 +405,98 @@ void HorizontalRowsOfBlocks(D d, const RowPointers* rows, int width, std::uint8_
 
 /// @tparam kVectors  that hold the disparities of a pixel; 0: not known before; kOfBlocks: several in one
 /// vector
-template <int kVectors, class D>
+template <int kVectors, bool kDiagonals, class D>
 void AggregateWith(D d, const MatchingProblem& problem, const Strip& strip,
                    const PathAggregator::UseRow& use_row, StripMemory memory) {
+  constexpr bool kBlocks = kVectors == kOfBlocks;
+  constexpr int kNumPaths = kDiagonals ? kMostFromRow : 1;
   const CensusImage& left = *problem.left;
   const CensusImage& right = *problem.right;
   const int width = left.width();
   const std::uint8_t p1 = static_cast<std::uint8_t>(problem.p1);
   const int n = strip.num_disparities;
-  const std::size_t path_bytes = static_cast<std::size_t>(n) + kPathPadding;
 
   const auto row_of = [&](int v, int v_before) {
     RowPointers row;
     for (int p = 0; p < CensusImage::kNumPlanes; ++p)
       row.left[p] = left.Row(v, p), row.right[p] = right.Row(v, p);
-    row.p2 = problem.step_penalties->FromAbove(std::max(v, v_before));
     row.first = problem.ranges->First(v);
-    row.first_before = problem.ranges->First(v_before);
+    for (int path = 0; path < kNumPaths; ++path) {
+      const int du = kFromColumn[path];
+      row.first_before[path] = v_before == v ? row.first : problem.ranges->First(v_before) + du;
+      // A step up costs what the same step down does.
+      row.p2[path] = v_before > v ? problem.step_penalties->FromAbove(v_before, -du) + du
+                                  : problem.step_penalties->FromAbove(v, du);
+    }
     row.prior_costs = problem.prior_costs ? problem.prior_costs : kNoCosts;
     const std::ptrdiff_t in_strip = std::clamp(v, strip.top, strip.bottom - 1) - strip.top;
-    const std::ptrdiff_t in_costs = kVectors == kOfBlocks ? in_strip : in_strip % kRowsTogether;
-    row.costs = memory.costs + in_costs * static_cast<std::ptrdiff_t>(memory.row_bytes);
-    row.sums = memory.sums + in_strip * static_cast<std::ptrdiff_t>(memory.row_bytes);
+    const std::ptrdiff_t in_costs = kBlocks ? in_strip : in_strip % kRowsTogether;
+    row.costs = memory.costs + in_costs * memory.row_bytes;
+    row.sums = memory.sums + in_strip * memory.row_bytes;
     return row;
   };
+  const auto start_path = [&](std::uint8_t* path) { std::memset(path, kBlocks ? 255 : 0, n); };
   const auto start_paths = [&] {
-    if constexpr (kVectors == kOfBlocks) {
-      std::memset(memory.paths[0], 255, static_cast<std::size_t>(memory.padded_width) * 16);
-      return;
+    for (int side = 0; side < 2; ++side) {
+      std::uint8_t* paths = memory.paths[side];
+      std::memset(paths - kPathMargin, 255, kNumPaths * memory.path_bytes);
+      for (int path = 0; path < kNumPaths && !kBlocks; ++path, paths += memory.path_bytes)
+        for (int u = -1; u <= memory.padded_width; ++u) start_path(paths + u * memory.pixel_bytes);
+      std::memset(memory.minima[side] - kMinimaMargin, 0, kNumPaths * memory.minima_bytes);
     }
-    for (std::uint8_t* path : memory.paths)
-      for (int u = -1; u < memory.padded_width; ++u, path += path_bytes) {
-        std::memset(path - kPathPadding, 255, kPathPadding);
-        std::memset(path, 0, u + 1 < memory.padded_width ? n : 0);
-      }
-    std::memset(memory.minima, 0, memory.padded_width);
   };
   const auto horizontal_paths = [&](int top) {
     RowPointers rows[kRowsTogether];
     for (int r = 0; r < kRowsTogether; ++r) {
       const int v = std::min(top + r, strip.bottom - 1);
       rows[r] = row_of(v, v);
-      rows[r].p2 = problem.step_penalties->FromLeft(v);
+      rows[r].p2[0] = problem.step_penalties->FromLeft(v);
       if (top + r >= strip.bottom)  // a row nobody reads, behind the strip's own
-        rows[r].sums = memory.sums + static_cast<std::size_t>(strip.bottom - strip.top) * memory.row_bytes;
+        rows[r].sums = memory.sums + (strip.bottom - strip.top) * memory.row_bytes;
     }
-    if constexpr (kVectors == kOfBlocks)
+    if constexpr (kBlocks)
       HorizontalRowsOfBlocks(d, rows, width, p1, memory.shifts, memory.p2);
     else
       HorizontalRows<kVectors>(d, rows, width, n, p1);
   };
-  const auto vertical_path = [&](auto sums, const RowPointers& row) {
-    if constexpr (kVectors == kOfBlocks)
-      VerticalRowOfBlocks<sums.value>(d, row, width, p1, memory);
+  const auto vertical_paths = [&](auto sums, const RowPointers& row) {
+    if constexpr (kBlocks)
+      VerticalRowOfBlocks<kDiagonals, sums.value>(d, row, width, p1, memory);
     else
-      VerticalRow<kVectors, sums.value>(d, row, width, n, p1, memory);
+      VerticalRow<kVectors, kDiagonals, sums.value>(d, row, width, n, p1, memory);
+    if constexpr (kDiagonals) {  // the vectors ran on over the pixel behind the last, where a path begins
+      start_path(memory.paths[1] + 2 * memory.path_bytes + width * memory.pixel_bytes);
+      memory.minima[1][2 * memory.minima_bytes + width] = 0;
+    }
+    std::swap(memory.paths[0], memory.paths[1]);
+    std::swap(memory.minima[0], memory.minima[1]);
   };
   constexpr std::integral_constant<Sums, Sums::kNone> kNone;
+  constexpr std::integral_constant<Sums, Sums::kCosts> kCosts;
   constexpr std::integral_constant<Sums, Sums::kSet> kSet;
   constexpr std::integral_constant<Sums, Sums::kAdd> kAdd;
 
+  if (problem.num_paths == 2) {
+    for (int top = strip.top; top < strip.bottom; top += kRowsTogether) {
+      const int bottom = std::min(top + kRowsTogether, strip.bottom);
+      for (int v = top; v < bottom; ++v) {
+        const RowPointers row = row_of(v, v);
+        vertical_paths(kCosts, row);
+        std::memset(row.sums, 0, memory.row_bytes);
+      }
+      horizontal_paths(top);
+      for (int v = top; v < bottom; ++v) use_row(v, row_of(v, v).sums);
+    }
+    return;
+  }
   start_paths();
   const int lowest = std::min(strip.bottom + strip.lead_in, left.height()) - 1;
   for (int v = lowest; v >= strip.top; --v) {
     const RowPointers row = row_of(v, std::min(v + 1, lowest));
     if (v >= strip.bottom)
-      vertical_path(kNone, row);
+      vertical_paths(kNone, row);
     else
-      vertical_path(kSet, row);
-    std::swap(memory.paths[0], memory.paths[1]);
+      vertical_paths(kSet, row);
     // While costs and sums are still in the cache.
     if (v < strip.bottom && (v - strip.top) % kRowsTogether == 0) horizontal_paths(v);
   }
@@ -428,33 +505,48 @@ void AggregateWith(D d, const MatchingProblem& problem, const Strip& strip,
   for (int v = highest; v < strip.bottom; ++v) {
     const RowPointers row = row_of(v, std::max(v - 1, highest));
     if (v < strip.top)
-      vertical_path(kNone, row);
+      vertical_paths(kNone, row);
     else
-      vertical_path(kAdd, row);
+      vertical_paths(kAdd, row);
     if (v >= strip.top) use_row(v, memory.row_sums);
-    std::swap(memory.paths[0], memory.paths[1]);
+  }
+}
+
+template <bool kDiagonals>
+void AggregateBy(const MatchingProblem& problem, const Strip& strip, const PathAggregator::UseRow& use_row,
+                 const StripMemory& memory) {
+  // The widest vectors that the disparities of a pixel fill; the usual numbers of them without a loop.
+  const int n = strip.num_disparities;
+  const auto aggregate = [&](auto num_vectors, auto d) {
+    AggregateWith<num_vectors.value, kDiagonals>(d, problem, strip, use_row, memory);
+  };
+  constexpr std::integral_constant<int, 0> kAny;
+  constexpr std::integral_constant<int, 1> kOne;
+  constexpr std::integral_constant<int, 2> kTwo;
+  constexpr std::integral_constant<int, kOfBlocks> kBlocks;
+  if (n % 64 == 0) {
+    const ByteTag<64> d;
+    const int num_vectors = n / static_cast<int>(hn::MaxLanes(d));
+    if (num_vectors == 1) return aggregate(kOne, d);
+    if (num_vectors == 2) return aggregate(kTwo, d);
+    aggregate(kAny, d);
+  } else if (n % 32 == 0) {
+    const ByteTag<32> d;
+    if (n == static_cast<int>(hn::MaxLanes(d))) return aggregate(kOne, d);
+    aggregate(kAny, d);
+  } else if (n == 16) {
+    aggregate(kBlocks, ByteTag<64>());
+  } else {
+    aggregate(kAny, ByteTag<16>());
   }
 }
 
 void AggregateStrip(const MatchingProblem& problem, const Strip& strip, const PathAggregator::UseRow& use_row,
                     const StripMemory& memory) {
-  // The widest vectors that the disparities of a pixel fill; the usual numbers of them without a loop.
-  const int n = strip.num_disparities;
-  if (n % 64 == 0) {
-    const ByteTag<64> d;
-    const int num_vectors = n / static_cast<int>(hn::MaxLanes(d));
-    if (num_vectors == 1) return AggregateWith<1>(d, problem, strip, use_row, memory);
-    if (num_vectors == 2) return AggregateWith<2>(d, problem, strip, use_row, memory);
-    AggregateWith<0>(d, problem, strip, use_row, memory);
-  } else if (n % 32 == 0) {
-    const ByteTag<32> d;
-    if (n == static_cast<int>(hn::MaxLanes(d))) return AggregateWith<1>(d, problem, strip, use_row, memory);
-    AggregateWith<0>(d, problem, strip, use_row, memory);
-  } else if (n == 16) {
-    AggregateWith<kOfBlocks>(ByteTag<64>(), problem, strip, use_row, memory);
-  } else {
-    AggregateWith<0>(ByteTag<16>(), problem, strip, use_row, memory);
-  }
+  if (problem.num_paths == 8)
+    AggregateBy<true>(problem, strip, use_row, memory);
+  else
+    AggregateBy<false>(problem, strip, use_row, memory);
 }
 
 void StepPenaltyRow(const std::uint8_t* pixel, const std::uint8_t* neighbour, int width, std::uint8_t p2_max,
@@ -484,42 +576,46 @@ namespace terrace {
 HWY_EXPORT(AggregateStrip);
 HWY_EXPORT(StepPenaltyRow);
 
-void StepPenalties::Compute(const cv::Mat1b& image, const PathPenalties& penalties) {
+/// Where a step comes from, by kind.
+constexpr struct { int du, dv; } kFrom[] = {{-1, 0}, {0, -1}, {-1, -1}, {1, -1}};
+
+void StepPenalties::Compute(const cv::Mat1b& image, const PathPenalties& penalties, bool diagonals) {
   TERRACE_CHECK(0 <= penalties.p1 && penalties.p1 <= penalties.p2_min &&
                     penalties.p2_min <= penalties.p2_max && penalties.p2_max <= 50,
                 penalties.p1, penalties.p2_min, penalties.p2_max);
   stride_ = static_cast<std::size_t>((image.cols + 1 + 63) / 64 * 64);
-  bytes_.Reserve(2 * stride_ * image.rows);
+  num_kinds_ = diagonals ? 4 : 2;
+  bytes_.Reserve(num_kinds_ * stride_ * image.rows + kBlock);  // vectors read on behind the last
   const std::uint8_t p2_max = static_cast<std::uint8_t>(penalties.p2_max);
   const std::uint8_t p2_min = static_cast<std::uint8_t>(penalties.p2_min);
-  for (int v = 0; v < image.rows; ++v) {
-    std::uint8_t* from_left = bytes_.data() + 2 * static_cast<std::size_t>(v) * stride_;
-    std::uint8_t* from_above = from_left + stride_;
-    HWY_DYNAMIC_DISPATCH(StepPenaltyRow)
-    (image[v] + 1, image[v], image.cols - 1, p2_max, p2_min, from_left + 1);
-    HWY_DYNAMIC_DISPATCH(StepPenaltyRow)
-    (image[v], image[std::max(v - 1, 0)], image.cols, p2_max, p2_min, from_above);
-    // No step comes from outside; the vertical paths run on to a multiple of 16 pixels.
-    from_left[0] = p2_max;
-    std::memset(from_left + image.cols, p2_max, stride_ - image.cols);
-    std::memset(from_above + image.cols, p2_max, stride_ - image.cols);
-  }
+  for (int v = 0; v < image.rows; ++v)
+    for (int kind = 0; kind < num_kinds_; ++kind) {
+      const auto [du, dv] = kFrom[kind];
+      const std::uint8_t* neighbours = image[std::max(v + dv, 0)];
+      std::uint8_t* p2 = bytes_.data() + (static_cast<std::size_t>(v) * num_kinds_ + kind) * stride_;
+      // No step comes from outside; the paths from row to row run on to a multiple of 16 pixels.
+      const int begin = std::max(-du, 0), end = image.cols - std::max(du, 0);
+      std::memset(p2, p2_max, begin);
+      std::memset(p2 + end, p2_max, stride_ - end);
+      HWY_DYNAMIC_DISPATCH(StepPenaltyRow)
+      (image[v] + begin, neighbours + begin + du, end - begin, p2_max, p2_min, p2 + begin);
+    }
 }
 
 void DisparityRanges::Set(int width, int height, int first) {
   width_ = (width + kBlock - 1) / kBlock * kBlock;
   max_first_ = first;
   uniform_ = true;
-  first_.assign(static_cast<std::size_t>(width_) * height, static_cast<std::int16_t>(first));
+  first_.assign(static_cast<std::size_t>(width_) * height + 2, static_cast<std::int16_t>(first));
 }
 
 void DisparityRanges::Set(const cv::Mat_<std::int16_t>& first) {
   width_ = (first.cols + kBlock - 1) / kBlock * kBlock;
-  first_.resize(static_cast<std::size_t>(width_) * first.rows);
+  first_.resize(static_cast<std::size_t>(width_) * first.rows + 2);
   max_first_ = 0;
   uniform_ = false;
   for (int v = 0; v < first.rows; ++v) {
-    std::int16_t* row = first_.data() + static_cast<std::size_t>(v) * width_;
+    std::int16_t* row = first_.data() + 1 + static_cast<std::size_t>(v) * width_;
     std::copy_n(first[v], first.cols, row);
     std::fill(row + first.cols, row + width_, row[first.cols - 1]);
     std::int16_t most = 0;
@@ -535,23 +631,32 @@ void PathAggregator::Aggregate(const MatchingProblem& problem, const Strip& stri
   TERRACE_CHECK(problem.ranges->max_first() + strip.num_disparities <= 256 + 16, problem.ranges->max_first());
   TERRACE_CHECK(problem.ranges->uniform() || strip.num_disparities <= kMaxRangeThatShifts,
                 strip.num_disparities);
+  TERRACE_CHECK(problem.num_paths == 2 || problem.num_paths == 4 || problem.num_paths == 8,
+                problem.num_paths);
   TERRACE_CHECK(0 <= strip.top && strip.top < strip.bottom && strip.bottom <= left.height());
   const std::size_t padded_width = static_cast<std::size_t>((left.width() + kBlock - 1) / kBlock * kBlock);
   const std::size_t row_bytes = padded_width * strip.num_disparities;
   const std::size_t num_rows = static_cast<std::size_t>(strip.bottom - strip.top);
-  const std::size_t path_row = padded_width * (strip.num_disparities + kPathPadding);
+  const std::size_t pixel_bytes = strip.num_disparities + (strip.num_disparities == 16 ? 0 : kPathPadding);
+  const std::size_t path_bytes = 2 * kPathMargin + padded_width * pixel_bytes;
+  const std::size_t minima_bytes = 2 * kMinimaMargin + padded_width;
+  const std::size_t num_from_row = problem.num_paths == 8 ? kMostFromRow : 1;
   StripMemory memory;
   // Those of 16 disparities stay in the cache as they are, others are computed twice.
   memory.costs = costs_.Reserve((strip.num_disparities == 16 ? num_rows : kRowsTogether) * row_bytes);
   memory.sums = sums_.Reserve((num_rows + 1) * row_bytes);
-  memory.paths[0] = paths_.Reserve(2 * (kPathPadding + path_row)) + kPathPadding;
-  memory.paths[1] = memory.paths[0] + path_row + kPathPadding;
-  memory.minima = path_minima_.Reserve(padded_width);
+  memory.paths[0] = paths_.Reserve(2 * num_from_row * path_bytes) + kPathMargin;
+  memory.paths[1] = memory.paths[0] + num_from_row * path_bytes;
+  memory.minima[0] = path_minima_.Reserve(2 * num_from_row * minima_bytes) + kMinimaMargin;
+  memory.minima[1] = memory.minima[0] + num_from_row * minima_bytes;
   memory.row_sums = row_sums_.Reserve(row_bytes);
   const std::size_t step_bytes = kRowsTogether * (padded_width + 1);
   memory.shifts = steps_.Reserve(2 * (step_bytes + kRowsTogether));
   memory.p2 = memory.shifts + step_bytes + kRowsTogether;
-  memory.row_bytes = row_bytes;
+  memory.row_bytes = static_cast<std::ptrdiff_t>(row_bytes);
+  memory.pixel_bytes = static_cast<std::ptrdiff_t>(pixel_bytes);
+  memory.path_bytes = static_cast<std::ptrdiff_t>(path_bytes);
+  memory.minima_bytes = static_cast<std::ptrdiff_t>(minima_bytes);
   memory.padded_width = static_cast<int>(padded_width);
   HWY_DYNAMIC_DISPATCH(AggregateStrip)(problem, strip, use_row, memory);
 }

@@ -22,28 +22,30 @@ struct PathPenalties {
 /// The penalty P2 of stepping between neighbours: p2_max less the difference of their brightness.
 class StepPenalties {
  public:
-  void Compute(const cv::Mat1b& image, const PathPenalties& penalties);
+  /// @param diagonals  whether diagonal steps are asked for, too
+  void Compute(const cv::Mat1b& image, const PathPenalties& penalties, bool diagonals = false);
   /// Of the step from (u - 1, v) to (u, v).
-  const std::uint8_t* FromLeft(int v) const {
-    return bytes_.data() + (2 * static_cast<std::size_t>(v)) * stride_;
-  }
-  /// Of the step from (u, v - 1) to (u, v).
-  const std::uint8_t* FromAbove(int v) const {
-    return bytes_.data() + (2 * static_cast<std::size_t>(v) + 1) * stride_;
-  }
+  const std::uint8_t* FromLeft(int v) const { return Row(v, 0); }
+  /// Of the step from (u + du, v - 1) to (u, v); du = -1, 0 or 1.
+  const std::uint8_t* FromAbove(int v, int du) const { return Row(v, du == 0 ? 1 : du < 0 ? 2 : 3); }
 
  private:
+  const std::uint8_t* Row(int v, int kind) const {
+    return bytes_.data() + (static_cast<std::size_t>(v) * num_kinds_ + kind) * stride_;
+  }
+
+  int num_kinds_ = 0;
   std::size_t stride_ = 0;
   AlignedArray<std::uint8_t> bytes_;
 };
 
 /// Where each pixel's search range begins; disparities below 0 are searched, but never found. Rows are
-/// continued to a multiple of 16 pixels.
+/// continued to a multiple of 16 pixels, and by one on either side whose content means nothing.
 class DisparityRanges {
  public:
   void Set(int width, int height, int first);
   void Set(const cv::Mat_<std::int16_t>& first);
-  const std::int16_t* First(int v) const { return first_.data() + static_cast<std::size_t>(v) * width_; }
+  const std::int16_t* First(int v) const { return first_.data() + 1 + static_cast<std::size_t>(v) * width_; }
   int max_first() const { return max_first_; }
   bool uniform() const { return uniform_; }  ///< all ranges begin at the same disparity
 
@@ -64,6 +66,7 @@ struct MatchingProblem {
   /// Added to the costs of each pixel's disparities, the largest first: what is known against them. Aligned
   /// like vectors, at most 10 each; null: nothing.
   const std::uint8_t* prior_costs = nullptr;
+  int num_paths = 4;  ///< 2, 4 or 8
 };
 
 /// Rows [top, bottom) of the image.
@@ -73,12 +76,16 @@ struct Strip {
   int num_disparities = 128;  ///< from the first of each pixel's range on; a multiple of 16, at most 256
 };
 
-/// Costs of a strip, summed over four paths: from the left, the right, above and below.
+/// Costs of a strip, summed over paths: two, from the left and the right; four, from above and below, too; or
+/// eight, where the mean of the two diagonal paths from above, averaged with the vertical one, stands for it,
+/// and the same from below. With the diagonal paths in full, neighbours in the row would have no more than a
+/// quarter of the say, which is worse than four paths almost everywhere.
 ///
 /// Everything is 8 bits wide. A census cost is at most 32, with what is known beforehand 42; a path's value
 /// is at most its cost + P2, since the minimum over the disparities is taken off in each step: <= 42 + 50 =
-/// 92, so that no path overflows. The sum of four may, where it is far from any good match: it saturates at
-/// 255, and a pixel whose best sum is 255 is unknown.
+/// 92, so that no path overflows. Averages of paths, rounded up, are not above the greatest of them. The sum
+/// of two is at most 184; that of four, or of two and two averages, may overflow where it is far from any
+/// good match: it saturates at 255, and a pixel whose best sum is 255 is unknown.
 class PathAggregator {
  public:
   /// Gets the sums of row v, from top to bottom: num_disparities bytes for each pixel, the largest disparity

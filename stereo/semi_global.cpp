@@ -24,10 +24,11 @@ constexpr int kFirstStep = 16;
 /// see, most pixels have no match that both views agree on, or a poor one, or one at the edge of the range.
 class SemiGlobalMatcher::Evidence {
  public:
-  Evidence(const ExpectedDisparities& expected, const SearchRange& range, const Strip& strip)
+  Evidence(const ExpectedDisparities& expected, const SearchRange& range, const Strip& strip, int num_paths)
       : expected_(expected),
         range_(range),
         strip_(strip),
+        max_sum_(num_paths == 2 ? kMaxSum / 2 : kMaxSum),
         num_pixels_(expected.columns),
         num_poor_(num_pixels_) {}
 
@@ -36,7 +37,7 @@ class SemiGlobalMatcher::Evidence {
     const auto highest = static_cast<float>(range_.first + range_.count - 2);
     // Further left, not all of the range is in the right image.
     for (int u = range_.first + range_.count - 1; u < width; ++u) {
-      const bool good = disparity[u] > lowest && disparity[u] < highest && best_sums[u] <= kMaxSum;
+      const bool good = disparity[u] > lowest && disparity[u] < highest && best_sums[u] <= max_sum_;
       ++num_pixels_[u / expected_.tile_px];
       num_poor_[u / expected_.tile_px] += !good;
     }
@@ -61,12 +62,13 @@ class SemiGlobalMatcher::Evidence {
   static constexpr double kMinShareSeen = 0.25;
   /// On a walk 0.5 % of the tiles have more with a right range, and seven of ten with a wrong one.
   static constexpr double kMaxSharePoor = 0.4;
-  /// Of the winners of chance half are above, of right ones hardly any but in the dark.
+  /// Of four paths. Of the winners of chance half are above, of right ones hardly any but in the dark.
   static constexpr int kMaxSum = 90;
 
   const ExpectedDisparities& expected_;
   SearchRange range_;
   Strip strip_;
+  int max_sum_;
   bool found_ = true;
   std::vector<int> num_pixels_, num_poor_;
 };
@@ -107,7 +109,7 @@ void SemiGlobalMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right, int
       const SearchRange& range = expected.strips[strip.top / settings_.rows_per_strip];
       if (range.count < num_disparities) {
         strip.num_disparities = range.count;
-        Evidence evidence(expected, range, strip);
+        Evidence evidence(expected, range, strip, settings_.num_paths);
         MatchStrip(strip, ranges_[range.first / kFirstStep], nullptr, &evidence, disparity);
         if (evidence.found()) return;
       }
@@ -141,7 +143,7 @@ void SemiGlobalMatcher::MatchNear(const cv::Mat1b& left, const cv::Mat1b& right,
 void SemiGlobalMatcher::Prepare(const cv::Mat1b& left, const cv::Mat1b& right) {
   left_census_.Compute(left, settings_.census);
   right_census_.Compute(right, settings_.census);
-  step_penalties_.Compute(left, settings_.penalties);
+  step_penalties_.Compute(left, settings_.penalties, settings_.num_paths == 8);
 }
 
 void SemiGlobalMatcher::PrepareRanges(const cv::Size& size, const std::vector<SearchRange>& strips) {
@@ -168,8 +170,9 @@ void SemiGlobalMatcher::MatchStrip(const Strip& strip, const DisparityRanges& ra
                                    const std::uint8_t* prior_costs, Evidence* evidence,
                                    cv::Mat1f& disparity) {
   Scratch::OfOneThread& mine = scratch_->local();
-  const MatchingProblem problem{&left_census_,    &right_census_,         &ranges,
-                                &step_penalties_, settings_.penalties.p1, prior_costs};
+  const MatchingProblem problem{&left_census_,      &right_census_,         &ranges,
+                                &step_penalties_,   settings_.penalties.p1, prior_costs,
+                                settings_.num_paths};
   mine.aggregator.Aggregate(problem, strip, [&](int v, const std::uint8_t* sums) {
     mine.winner.Choose({sums, disparity.cols, strip.num_disparities, ranges.First(v)}, disparity[v]);
     if (evidence) evidence->AddRow(v, disparity[v], mine.winner.best_sums(), disparity.cols);

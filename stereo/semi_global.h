@@ -17,6 +17,7 @@ namespace terrace {
 struct SemiGlobalSettings {
   std::vector<CensusPair> census = Census9x7();
   PathPenalties penalties;
+  int num_paths = 4;  ///< 2, 4 or 8
   WinnerRules winner;
   int rows_per_strip = 64;
   int lead_in = 16;

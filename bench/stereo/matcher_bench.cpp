@@ -78,10 +78,11 @@ void WholeMatch(benchmark::State& state) {
   DisparityConfig config;
   config.tier = state.range(0) == 0 ? "fast" : "quality";
   config.max_disparity_px = static_cast<int>(state.range(1));
+  config.paths = static_cast<int>(state.range(2));
   DisparityMatcher matcher(config);
   for (auto _ : state) benchmark::DoNotOptimize(matcher.Match(Pair(640, 480)));
 }
-BENCHMARK(WholeMatch)->ArgsProduct({{0, 1}, {64, 128}})->Unit(benchmark::kMillisecond);
+BENCHMARK(WholeMatch)->ArgsProduct({{0, 1}, {64, 128}, {2, 4, 8}})->Unit(benchmark::kMillisecond);
 
 void Triangulation(benchmark::State& state) {
   const StereoCamera camera{640, 480, 400, 400, 319.5, 239.5, 0.12};

@@ -3,7 +3,8 @@
 // definitions:
 //     TERRACE_DATA=... stereo_table [PART...] [--each] [--dump DIR]
 // PART: v3 old (Middlebury), stairs (recording), up down dark sheets (rendered here), speed, threads, prior;
-// none: all. Settings to try come from the environment: CENSUS P1 P2MIN P2MAX UNIQ, as in DisparityConfig.
+// none: all. Settings to try come from the environment: CENSUS PATHS P1 P2MIN P2MAX UNIQ, as in
+// DisparityConfig.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -79,6 +80,7 @@ DisparityImage OurMatch(const StereoFrame& frame, int max_disparity_px, const st
   config.tier = tier;
   config.max_disparity_px = max_disparity_px;
   if (const char* census = std::getenv("CENSUS")) config.census = census;
+  config.paths = Env("PATHS", config.paths);
   config.small_step_penalty = Env("P1", config.small_step_penalty);
   config.edge_step_penalty = Env("P2MIN", config.edge_step_penalty);
   config.large_step_penalty = Env("P2MAX", config.large_step_penalty);

@@ -27,11 +27,13 @@ TEST(DisparityConfigTest, ListsEveryProblemAtOnce) {
   DisparityConfig config;
   config.max_disparity_px = 100;
   config.tier = "best";
+  config.paths = 3;
   config.large_step_penalty = 51;
   config.prior_full_every_frames = 0;
   EXPECT_THAT(config.Problems(),
               ElementsAre(HasSubstr("max_disparity_px is 100"), HasSubstr("tier is \"best\""),
-                          HasSubstr("large_step_penalty <= 50"), HasSubstr("prior_full_every_frames")));
+                          HasSubstr("paths is 3"), HasSubstr("large_step_penalty <= 50"),
+                          HasSubstr("prior_full_every_frames")));
   EXPECT_THROW(DisparityMatcher{config}, std::invalid_argument);
 }
 
@@ -40,6 +42,13 @@ DisparityConfig Tier(const std::string& tier, int max_disparity_px) {
   config.tier = tier;
   config.max_disparity_px = max_disparity_px;
   return config;
+}
+
+bool SameBits(const DisparityImage& a, const DisparityImage& b) {
+  const auto same = [](const cv::Mat1f& x, const cv::Mat1f& y) {
+    return x.size() == y.size() && std::memcmp(x.data, y.data, x.total() * sizeof(float)) == 0;
+  };
+  return same(a.disparity_px, b.disparity_px) && same(a.sigma_px, b.sigma_px);
 }
 
 class DisparityMatcherTest : public testing::TestWithParam<std::string> {};
@@ -85,6 +94,29 @@ TEST_P(DisparityMatcherTest, GivesTheSameBitsForAnyNumberOfThreadsAndOnEveryTarg
   }
 }
 
+TEST_P(DisparityMatcherTest, FindsAPlaneAlongAnyNumberOfPathsWithTheSameBitsForAnyNumberOfThreads) {
+  const SlantedPlane plane{8.3, 0.01, 0.05};
+  const StereoFrame frame = RenderPlane(160, 161, plane);
+  std::vector<DisparityImage> results;
+  for (const int paths : {2, 4, 8}) {
+    DisparityConfig config = Tier(GetParam(), 32);
+    config.paths = paths;
+    results.push_back(DisparityMatcher(config).Match(frame));
+    for (const int num_threads : {1, 4}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, num_threads);
+      EXPECT_TRUE(SameBits(DisparityMatcher(config).Match(frame), results.back())) << paths << " paths";
+    }
+    int num_right = 0;
+    const cv::Rect inner(32, 8, 120, 145);
+    for (int v = inner.y; v < inner.br().y; ++v)
+      for (int u = inner.x; u < inner.br().x; ++u)
+        num_right += std::abs(results.back().disparity_px(v, u) - plane.At(u, v)) < 0.5;
+    EXPECT_GT(num_right, 0.97 * inner.area()) << paths << " paths";
+  }
+  EXPECT_FALSE(SameBits(results[0], results[1]));
+  EXPECT_FALSE(SameBits(results[1], results[2]));
+}
+
 TEST_P(DisparityMatcherTest, LeavesResultsAloneThatSomebodyStillHolds) {
   DisparityMatcher matcher(Tier(GetParam(), 32));
   const DisparityImage first = matcher.Match(RenderPlane(96, 64, {8.3, 0.01, 0.05}));
@@ -123,13 +155,6 @@ DisparityPrior Everywhere(const StereoFrame& frame, float low_px, float high_px)
   DisparityPrior prior(frame.left.cols, frame.left.rows);
   for (DisparityPrior::Range& tile : prior.tiles) tile = {low_px, high_px};
   return prior;
-}
-
-bool SameBits(const DisparityImage& a, const DisparityImage& b) {
-  const auto same = [](const cv::Mat1f& x, const cv::Mat1f& y) {
-    return x.size() == y.size() && std::memcmp(x.data, y.data, x.total() * sizeof(float)) == 0;
-  };
-  return same(a.disparity_px, b.disparity_px) && same(a.sigma_px, b.sigma_px);
 }
 
 DisparityConfig WithPrior(const std::string& tier, int full_every_frames) {

@@ -15,6 +15,7 @@ namespace {
 struct Case {
   int width, height, num_disparities;
   bool ranges_differ;
+  int num_paths = 4;
 };
 
 class PathAggregationTest : public testing::TestWithParam<Case> {};
@@ -34,15 +35,15 @@ TEST_P(PathAggregationTest, GivesTheSumsOfThePlainMatcherOnEveryTarget) {
   left.Compute(frame.left, Census9x7());
   right.Compute(frame.right, Census9x7());
   StepPenalties step_penalties;
-  step_penalties.Compute(frame.left, penalties);
+  step_penalties.Compute(frame.left, penalties, c.num_paths == 8);
   DisparityRanges ranges;
   if (c.ranges_differ)
     ranges.Set(first);
   else
     ranges.Set(c.width, c.height, 0);
-  const MatchingProblem problem{&left, &right, &ranges, &step_penalties, penalties.p1};
+  const MatchingProblem problem{&left, &right, &ranges, &step_penalties, penalties.p1, nullptr, c.num_paths};
   for (const Strip& strip : {Strip{0, 9, 2, c.num_disparities}, Strip{9, c.height, 3, c.num_disparities}}) {
-    const std::vector<int> expected = plain.Sums(strip.top, strip.bottom, strip.lead_in);
+    const std::vector<int> expected = plain.Sums(strip.top, strip.bottom, strip.lead_in, c.num_paths);
     OnEveryTarget([&] {
       PathAggregator aggregator;
       int next_row = strip.top;
@@ -58,11 +59,17 @@ TEST_P(PathAggregationTest, GivesTheSumsOfThePlainMatcherOnEveryTarget) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, PathAggregationTest,
-                         testing::Values(Case{40, 20, 16, false}, Case{33, 20, 32, false},
-                                         Case{50, 21, 64, false}, Case{21, 12, 128, false},
-                                         Case{17, 12, 208, false}, Case{37, 20, 16, true},
-                                         Case{37, 20, 32, true}));
+std::vector<Case> Cases() {
+  std::vector<Case> cases;
+  for (const int num_paths : {2, 4, 8})
+    for (const Case& c :
+         {Case{40, 20, 16, false}, Case{33, 20, 32, false}, Case{50, 21, 64, false}, Case{21, 12, 128, false},
+          Case{17, 12, 208, false}, Case{37, 20, 16, true}, Case{64, 20, 16, true}, Case{37, 20, 32, true}})
+      cases.push_back({c.width, c.height, c.num_disparities, c.ranges_differ, num_paths});
+  return cases;
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, PathAggregationTest, testing::ValuesIn(Cases()));
 
 }  // namespace
 }  // namespace terrace

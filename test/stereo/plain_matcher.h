@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdlib>
+#include <functional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -31,18 +32,35 @@ class PlainMatcher {
         }
   }
 
-  /// Sums over the four paths within rows [top, bottom), the vertical ones coming from `lead_in` rows beyond.
-  /// Index i of a pixel belongs to disparity first + i.
-  std::vector<int> Sums(int top, int bottom, int lead_in) const {
-    std::vector<int> sums(costs_.size(), 0);
+  /// Sums over 2, 4 or 8 paths within rows [top, bottom), those from row to row coming from `lead_in` rows
+  /// beyond; of eight, averages stand for the three from above and the three from below. Index i of a pixel
+  /// belongs to disparity first + i.
+  std::vector<int> Sums(int top, int bottom, int lead_in, int num_paths = 4) const {
     const int above = std::max(top - lead_in, 0), below = std::min(bottom + lead_in, left_.rows);
-    for (int u = 0; u < left_.cols; ++u) {
-      Path(u, above, 0, 1, below, &sums);
-      Path(u, below - 1, 0, -1, above - 1, &sums);
-    }
-    for (int v = top; v < bottom; ++v) {
-      Path(0, v, 1, 0, left_.cols, &sums);
-      Path(left_.cols - 1, v, -1, 0, -1, &sums);
+    const auto path_by = [&](int du, int dv) {
+      std::vector<int> values(costs_.size(), 0);
+      const int first_row = dv > 0 ? above : below - 1;
+      if (dv == 0)
+        for (int v = top; v < bottom; ++v)
+          Path(du > 0 ? 0 : left_.cols - 1, v, du, dv, above, below, &values);
+      else
+        for (int u = 0; u < left_.cols; ++u) Path(u, first_row, du, dv, above, below, &values);
+      if (dv != 0 && du != 0)  // those that begin at the side of the image
+        for (int v = first_row + dv; v >= above && v < below; v += dv)
+          Path(du > 0 ? 0 : left_.cols - 1, v, du, dv, above, below, &values);
+      return values;
+    };
+    const auto each = [](std::vector<int> a, const std::vector<int>& b, auto of) {
+      for (std::size_t i = 0; i < a.size(); ++i) a[i] = of(a[i], b[i]);
+      return a;
+    };
+    const auto mean = [](int a, int b) { return (a + b + 1) / 2; };
+    std::vector<int> sums = each(path_by(1, 0), path_by(-1, 0), std::plus());
+    for (const int dv : {1, -1}) {
+      if (num_paths == 2) continue;
+      std::vector<int> values = path_by(0, dv);
+      if (num_paths == 8) values = each(values, each(path_by(1, dv), path_by(-1, dv), mean), mean);
+      sums = each(sums, values, std::plus());
     }
     for (int& sum : sums) sum = std::min(sum, 255);
     return sums;
@@ -69,10 +87,11 @@ class PlainMatcher {
     return words;
   }
 
-  /// One path from (u, v) by steps of (du, dv) until the moving coordinate is `end`.
-  void Path(int u, int v, int du, int dv, int end, std::vector<int>* sums) const {
+  /// One path from (u, v) by steps of (du, dv) until it leaves the image or rows [above, below).
+  void Path(int u, int v, int du, int dv, int above, int below, std::vector<int>* sums) const {
     std::vector<int> before, now(n_);
-    for (bool start = true; (du != 0 ? u : v) != end; u += du, v += dv, start = false) {
+    for (bool start = true; u >= 0 && u < left_.cols && v >= above && v < below;
+         u += du, v += dv, start = false) {
       for (int i = 0; i < n_; ++i) {
         int best = 0;
         if (!start) {
