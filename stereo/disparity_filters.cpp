@@ -15,9 +15,10 @@ namespace {
 /// Runs of connected pixels, joined to pieces by union-find.
 class Pieces {
  public:
-  int Add(int num_pixels) {
+  /// @param num_unique  pixels whose pattern does not repeat itself
+  int Add(int num_pixels, int num_unique) {
     parent_.push_back(static_cast<int>(parent_.size()));
-    size_.push_back(num_pixels);
+    size_.push_back({num_pixels, num_unique});
     return parent_.back();
   }
   int Find(int i) {
@@ -29,12 +30,20 @@ class Pieces {
     if (i == j) return;
     if (i > j) std::swap(i, j);
     parent_[j] = i;
-    size_[i] += size_[j];
+    size_[i].num_pixels += size_[j].num_pixels;
+    size_[i].num_unique += size_[j].num_unique;
   }
-  int SizeOf(int i) { return size_[Find(i)]; }
+  bool IsSpeckle(int i, int min_pixels) {
+    const Size& size = size_[Find(i)];
+    return size.num_unique < min_pixels || 2 * size.num_unique < size.num_pixels;
+  }
 
  private:
-  std::vector<int> parent_, size_;
+  struct Size {
+    int num_pixels, num_unique;
+  };
+  std::vector<int> parent_;
+  std::vector<Size> size_;
 };
 
 struct Run {
@@ -44,7 +53,8 @@ struct Run {
 
 }  // namespace
 
-void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity, const Steepness& steepness) {
+void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity, const Steepness& steepness,
+                    const Repetition& repetition) {
   Pieces pieces;
   std::vector<float> level(disparity.cols, max_difference), sloped(disparity.cols);
   std::vector<char> parted(disparity.cols);  // from the pixel before, or unknown
@@ -70,7 +80,9 @@ void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity, 
       const void* next = std::memchr(parted.data() + u + 1, 1, disparity.cols - u - 1);
       const int end =
           next ? static_cast<int>(static_cast<const char*>(next) - parted.data()) : disparity.cols;
-      runs.push_back({u, end, pieces.Add(end - u)});
+      const int num_repeated =
+          repetition.patterns ? repetition.patterns->NumPixels(v, u, end, repetition.scale) : 0;
+      runs.push_back({u, end, pieces.Add(end - u, end - u - num_repeated)});
       u = end;
     }
     row_begin.push_back(runs.size());
@@ -89,7 +101,7 @@ void RemoveSpeckles(int min_pixels, float max_difference, cv::Mat1f& disparity, 
   }
   for (int v = 0; v < disparity.rows; ++v)
     for (std::size_t j = row_begin[v]; j < row_begin[v + 1]; ++j)
-      if (pieces.SizeOf(runs[j].piece) < min_pixels)
+      if (pieces.IsSpeckle(runs[j].piece, min_pixels))
         std::fill(disparity[v] + runs[j].begin, disparity[v] + runs[j].end, kUnknownDisparity);
 }
 

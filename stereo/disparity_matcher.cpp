@@ -13,6 +13,7 @@
 #include "stereo/disparity_units.h"
 #include "stereo/half_resolution.h"
 #include "stereo/refinement.h"
+#include "stereo/repeated_patterns.h"
 #include "stereo/semi_global.h"
 #include "stereo/steep_surfaces.h"
 #include "stereo/unknown_disparity.h"
@@ -213,7 +214,7 @@ class DisparityMatcher::Impl {
   void MatchAgain(const StereoFrame& frame, cv::Mat1f& rough, cv::Mat1f& disparity) {
     FillFromFurther(rough);
     full_matcher_.MatchNear(frame.left, frame.right, rough, disparity);
-    RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity, {&steep_, 2});
+    RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity, {&steep_, 2}, {&repeated_, 2});
   }
 
   /// The work of the first rounds costs a quarter at half the size, and sees twice as far.
@@ -226,8 +227,9 @@ class DisparityMatcher::Impl {
     if (2 * range > config_.max_disparity_px)
       half_disparity_.setTo(kUnknownDisparity, half_disparity_ > 0.5 * config_.max_disparity_px);
     steep_.Measure(half_disparity_);
+    repeated_.Find(half_left_);
     // A quarter of the pixels, but noise holds together better.
-    RemoveSpeckles(config_.min_piece_px / 2, kMaxSlope, half_disparity_, {&steep_, 1});
+    RemoveSpeckles(config_.min_piece_px / 2, kMaxSlope, half_disparity_, {&steep_, 1}, {&repeated_, 1});
     half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr, {&steep_, 1});
     DoubleDisparity(half_disparity_, disparity, steep_);
   }
@@ -243,6 +245,7 @@ class DisparityMatcher::Impl {
   cv::Mat1b half_left_, half_right_;
   cv::Mat1f half_disparity_, rough_disparity_;
   SteepSurfaces steep_;
+  RepeatedPatterns repeated_;
   UnitImage units_;
   ImagePool results_;
 };

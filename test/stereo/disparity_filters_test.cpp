@@ -48,6 +48,23 @@ TEST(RemoveSpecklesTest, KeepsASteepSurfaceThoughItsRowsDiffer) {
     }
 }
 
+TEST(RemoveSpecklesTest, BelievesRepeatedPatternsOnlyWithMoreOfTheirSurfaceAroundThem) {
+  cv::Mat1b stripes(40, 160, std::uint8_t{100});
+  for (int v = 0; v < 40; ++v)
+    for (int u = 80; u < 160; ++u) stripes(v, u) = u / 4 % 2 == 0 ? 40 : 200;
+  RepeatedPatterns patterns;
+  patterns.Find(stripes);
+  cv::Mat1f of_its_own(40, 160, 10.0f), of_the_wall(40, 160, 10.0f);
+  of_its_own(cv::Rect(80, 0, 80, 40)).setTo(6.0f);
+  RemoveSpeckles(20, 1.0f, of_its_own, {}, {&patterns, 1});
+  RemoveSpeckles(20, 1.0f, of_the_wall, {}, {&patterns, 1});
+  for (int v = 0; v < 40; ++v)
+    for (int u = 0; u < 160; ++u) {
+      EXPECT_EQ(std::isnan(of_its_own(v, u)), u >= 80) << u << ' ' << v;
+      EXPECT_EQ(of_the_wall(v, u), 10.0f) << u << ' ' << v;
+    }
+}
+
 TEST(RemoveSpecklesTest, RemovesWhatFloodingFindsTooSmall) {
   std::mt19937 random(5);
   cv::Mat1f disparity(24, 31);
