@@ -68,8 +68,7 @@ Matches LandmarkTracker::Track(const Window& window, const ImagePyramid& left, c
   Matches matches;
   for (Match& match : Candidates(window, T_world_left, options.max_per_cell)) {
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
-    matches.tried.push_back(match.landmark);
-    matches.trust_tried += landmark.trust();
+    matches.NoteTried(match.landmark, landmark);
     if (!FindInLeft(landmark, window.at(landmark.host).left, left, options, match)) continue;
     if (options.use_right && match.level == 0) FindInRight(left, right, vertical_px, match);
     matches.found.push_back(match);
@@ -96,8 +95,7 @@ Matches LandmarkTracker::SearchWide(const Window& window, const ImagePyramid& le
     if (taken[block]) continue;
     taken[block] = true;
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
-    matches.tried.push_back(match.landmark);
-    matches.trust_tried += landmark.trust();
+    matches.NoteTried(match.landmark, landmark);
     const Eigen::Matrix2f A_host_here = match.predicted.A_here_host.inverse().cast<float>();
     PatchTemplate patch;
     if (!ExtractTemplate(window.at(landmark.host).left[level], landmark.pixel_host.cast<float>() / scale,

@@ -30,8 +30,17 @@ struct SearchOptions {
 
 struct Matches {
   std::vector<Match> found;
-  std::vector<int> tried;    ///< landmarks looked for, as indices into Window::landmarks
-  double trust_tried = 0.0;  ///< sum over these
+  std::vector<int> tried;  ///< landmarks looked for, as indices into Window::landmarks
+  /// Those of them that should be seen: what the last frame hid says nothing of this one.
+  int num_expected = 0;
+  double trust_expected = 0.0;  ///< sum over these
+
+  void NoteTried(int index, const Landmark& landmark) {
+    tried.push_back(index);
+    if (landmark.missed_last) return;
+    ++num_expected;
+    trust_expected += landmark.trust();
+  }
 };
 
 /// Looks for the window's landmarks in a new frame. Each is predicted from the pose expected and looked for

@@ -17,9 +17,12 @@ namespace {
 constexpr double kUsual = 0.55;
 /// Of the trust in all that was looked for: what a pose that explains less needs instead.
 constexpr double kDoubtful = 0.8;
-/// Frames that agreed with a landmark: from then on it is known to stand still.
+/// Frames that agreed with a landmark: from then on it is known to stand still, as long as it is seen.
 constexpr int kKnownFrames = 3;
 constexpr double kKnownTrust = 0.3;
+
+/// On which single patches are searched for widely when nothing at all was found: it takes longest.
+constexpr int kLastResort = 1;
 
 /// On which the image is compared as a whole.
 constexpr int kSmallLevel = ImagePyramid::kNumLevels - 1;
@@ -56,7 +59,7 @@ double Likeness(const cv::Mat1b& first, const cv::Mat1b& second, int du, int dv)
 }
 
 bool Known(const Landmark& landmark) {
-  return landmark.num_tracked >= kKnownFrames && landmark.trust() >= kKnownTrust;
+  return !landmark.missed_last && landmark.num_tracked >= kKnownFrames && landmark.trust() >= kKnownTrust;
 }
 
 }  // namespace
@@ -83,7 +86,8 @@ std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const Im
         fine.solution.num_inliers < kMinInlierShare * static_cast<double>(fine.matches.size()))
       continue;
     // A pose that only new landmarks believe in is that of something that moves through the view.
-    if (fine.mean_trust < (rough->share < kUsual * usual_share_ ? kDoubtful : kUsual) * fine.mean_trust_tried)
+    if (fine.mean_trust <
+        (rough->share < kUsual * usual_share_ ? kDoubtful : kUsual) * fine.mean_trust_expected)
       continue;
     only_strangers_ = FollowsStrangers(fine, expected);
     if (only_strangers_) continue;
@@ -184,9 +188,10 @@ std::vector<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, con
     const double turn_rad = std::sqrt(Inverse(expected.prior.information).topLeftCorner<3, 3>().trace());
     const double reach_px = std::max(camera_.width / 6.0, camera_.fx * std::min(turn_rad, 1.0));
     // Coarsely first; what stands in front leaves only small patches of the rest.
-    for (const int level : {3, 2}) {
+    for (const int level : {3, 2, 1}) {
+      const bool any = !candidates.empty() && Enough(candidates.front(), expected);
+      if (Believed() || (level == kLastResort && any)) break;
       FollowGroups(tracker_.SearchWide(window, left, T_expected, reach_px, level), vague);
-      if (Believed()) break;
     }
   }
   if (candidates.empty() || !Enough(candidates.front(), expected)) return {};
@@ -270,11 +275,10 @@ PoseFinder::Found PoseFinder::Solve(const Window& window, Matches matches, const
   }
   for (const int i : matches.tried)
     found.num_known_tried += Known(window.landmarks[static_cast<std::size_t>(i)]);
-  found.share = found.score / std::max(matches.trust_tried, 1.0);
+  found.share = found.score / std::max(matches.trust_expected, 1.0);
   found.mean_trust = found.score / std::max(found.solution.num_inliers, 1);
   found.tried = std::move(matches.tried);
-  found.mean_trust_tried =
-      matches.trust_tried / std::max<double>(1.0, static_cast<double>(found.tried.size()));
+  found.mean_trust_expected = matches.trust_expected / std::max(matches.num_expected, 1);
   return found;
 }
 

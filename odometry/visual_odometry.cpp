@@ -382,13 +382,18 @@ class VisualOdometry::Impl {
   }
 
   void CountFailures(const PoseFinder::Found& found) {
-    for (const int i : found.tried) ++window_.landmarks[static_cast<std::size_t>(i)].num_missed;
+    for (const int i : found.tried) {
+      Landmark& landmark = window_.landmarks[static_cast<std::size_t>(i)];
+      ++landmark.num_missed;
+      landmark.missed_last = true;
+    }
     for (std::size_t i = 0; i < found.matches.size(); ++i) {
       Landmark& landmark = window_.landmarks[static_cast<std::size_t>(found.matches[i].landmark)];
       const bool agrees = found.solution.inlier[i];
       landmark.num_failures = agrees ? 0 : landmark.num_failures + 1;
       landmark.num_tracked += agrees;
       landmark.num_missed -= agrees;
+      landmark.missed_last = !agrees;
     }
   }
 

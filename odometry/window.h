@@ -49,6 +49,7 @@ struct Landmark {
   int num_failures = 0;                   ///< in a row: found where it cannot be
   int num_tracked = 0;                    ///< frames that agreed with it
   int num_missed = 0;                     ///< frames in which it was looked for and did not agree
+  bool missed_last = false;               ///< it did not agree when it was last looked for
 
   /// How far it is believed to stand still, 0..1: what moves never grows old.
   double trust() const;

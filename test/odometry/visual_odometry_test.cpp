@@ -2,7 +2,9 @@
 #include "odometry/visual_odometry.h"
 
 #include <cmath>
+#include <limits>
 #include <map>
+#include <optional>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -19,6 +21,13 @@ namespace {
 const StereoCamera kCamera{320, 240, 200.0, 200.0, 159.5, 119.5, 0.12};
 constexpr int kTextureSize = 512;
 
+/// Stands upright in the way: all of its height, or every second strip of it.
+struct Panel {
+  double z_m = 0.0;
+  double right_m = 0.0;                                     ///< edge
+  double slat_m = std::numeric_limits<double>::infinity();  ///< height of its slats and of the gaps between
+};
+
 /// A floor 0.5 m below the camera and a wall 3 m ahead, both with smooth noise on them.
 class TinyWorld {
  public:
@@ -33,6 +42,8 @@ class TinyWorld {
     texture_ = 128.0f + 500.0f * (fine - 0.5f) + 2500.0f * (coarse - 0.5f);
   }
 
+  void PutUp(const Panel& panel) { panel_ = panel; }
+
   cv::Mat1b View(const Eigen::Isometry3d& T_start_camera, double gain = 1.0) const {
     cv::Mat1b image(kCamera.height, kCamera.width);
     const Eigen::Vector3d eye = T_start_camera.translation();
@@ -46,6 +57,11 @@ class TinyWorld {
         const Eigen::Vector3d p = eye + std::min(to_floor, to_wall) * ray;
         const double grey =
             to_floor < to_wall ? Grey(p.x() * 150.0, p.z() * 150.0) : Grey(p.x() * 60.0 + 99.0, p.y() * 60.0);
+        if (const auto on_panel = HitPanel(eye, ray, std::min(to_floor, to_wall))) {
+          image(v, u) = cv::saturate_cast<std::uint8_t>(
+              gain * Grey(on_panel->x() * 150.0 + 300.0, on_panel->y() * 150.0));
+          continue;
+        }
         image(v, u) = cv::saturate_cast<std::uint8_t>(gain * grey);
       }
     }
@@ -62,6 +78,16 @@ class TinyWorld {
   }
 
  private:
+  std::optional<Eigen::Vector3d> HitPanel(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray,
+                                          double to_next) const {
+    if (!panel_ || ray.z() < 1e-6) return std::nullopt;
+    const double to_panel = (panel_->z_m - eye.z()) / ray.z();
+    const Eigen::Vector3d p = eye + to_panel * ray;
+    const bool hit =
+        to_panel > 0 && to_panel < to_next && p.x() < panel_->right_m &&
+        (std::isinf(panel_->slat_m) || std::fmod(p.y() + 100.0, 2 * panel_->slat_m) < panel_->slat_m);
+    return hit ? std::optional(p) : std::nullopt;
+  }
   double Grey(double x, double y) const {
     const double fx = x - std::floor(x), fy = y - std::floor(y);
     const int ix = static_cast<int>(std::floor(x)) & (period_px_ - 1),
@@ -72,6 +98,7 @@ class TinyWorld {
   }
   int period_px_;
   cv::Mat1f texture_;
+  std::optional<Panel> panel_;
 };
 
 const TinyWorld& World() {
@@ -415,6 +442,37 @@ TEST(VisualOdometryTest, FollowsAJerkOfTheHeadWhereTextureRepeatsItself) {
     const PoseEstimate pose = odometry.Track(repeating.Frame(i, T_start_left), {});
     if (i == 0) first = pose;
     EXPECT_EQ(pose.status, TrackingStatus::kTracking) << "frame " << i;
+    const Vector6d error = StepBetween(Walk(0).inverse() * T_start_left, FromStart(first, pose));
+    EXPECT_LT(1e3 * error.tail<3>().norm(), 4.0) << "frame " << i;
+  }
+}
+
+TEST(VisualOdometryTest, BelievesWhatIsNewWhereItHidesWhatIsKnown) {
+  TinyWorld world;
+  VisualOdometry odometry({}, kCamera, {});
+  PoseEstimate first;
+  for (int i = 0; i < 24; ++i) {
+    if (i == 12) world.PutUp({.z_m = 1.2, .right_m = 0.25});  // stands still from then on
+    const PoseEstimate pose = odometry.Track(world.Frame(i, Walk(i)), {});
+    if (i == 0) first = pose;
+    EXPECT_EQ(pose.status, TrackingStatus::kTracking) << "frame " << i << ": " << pose.reason;
+    EXPECT_LT(ErrorMm(first, pose, i), 4.0) << "frame " << i;
+  }
+}
+
+TEST(VisualOdometryTest, FollowsAJerkBeforeSlats) {
+  TinyWorld world;
+  world.PutUp({.z_m = 1.0, .right_m = 10.0, .slat_m = 0.06});
+  VisualOdometry odometry({}, kCamera, {});
+  PoseEstimate first;
+  for (int i = 0; i < 16; ++i) {
+    Vector6d jerk = Vector6d::Zero();
+    if (i >= 12)
+      jerk << 0.25, 0.0, 0.0, 0.0, 0.1, 0.0;  // 10 cm down, where coarse patches mix slats and gaps
+    const Eigen::Isometry3d T_start_left = Perturb(Walk(i), jerk);
+    const PoseEstimate pose = odometry.Track(world.Frame(i, T_start_left), {});
+    if (i == 0) first = pose;
+    EXPECT_EQ(pose.status, TrackingStatus::kTracking) << "frame " << i << ": " << pose.reason;
     const Vector6d error = StepBetween(Walk(0).inverse() * T_start_left, FromStart(first, pose));
     EXPECT_LT(1e3 * error.tail<3>().norm(), 4.0) << "frame " << i;
   }
