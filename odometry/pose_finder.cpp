@@ -275,7 +275,7 @@ PoseFinder::Found PoseFinder::Solve(const Window& window, Matches matches, const
   }
   for (const int i : matches.tried)
     found.num_known_tried += Known(window.landmarks[static_cast<std::size_t>(i)]);
-  found.share = found.score / std::max(matches.trust_expected, 1.0);
+  found.share = std::min(1.0, found.score / std::max(matches.trust_expected, 1.0));
   found.mean_trust = found.score / std::max(found.solution.num_inliers, 1);
   found.tried = std::move(matches.tried);
   found.mean_trust_expected = matches.trust_expected / std::max(matches.num_expected, 1);

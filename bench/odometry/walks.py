@@ -76,7 +76,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--list", default=os.path.join(ROOT, "evaluation/baseline/full.list"))
     parser.add_argument("--build", default=os.path.join(ROOT, "build/release"))
-    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--seeds", type=int, default=20, help="how many")
+    parser.add_argument("--first-seed", type=int, default=1)
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--rate", type=float, default=10.0, help="stereo frames a second")
     parser.add_argument("--motions", default="walk", help="by commas: each seed takes the next one")
@@ -90,7 +91,7 @@ def main():
     motions = options.motions.split(",")
     walks = {}
     with tempfile.TemporaryDirectory() as temporary:
-        for seed in range(1, options.seeds + 1):
+        for seed in range(options.first_seed, options.first_seed + options.seeds):
             motion = motions[(seed - 1) % len(motions)]
             for scene in scenes_of(options.list):
                 name = f"{scene}_{motion}_{seed}_{options.frames}_{options.rate:g}"
