@@ -2,36 +2,103 @@
 #include "stereo/repeated_patterns.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <cstring>
 #include <utility>
 
-#include "core/parallel_for.h"
+#include <tbb/enumerable_thread_specific.h>
 
+#include "core/parallel_for.h"
+#include "stereo/aligned_array.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "stereo/repeated_patterns.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef TERRACE_STEREO_REPEATED_PATTERNS_ONCE_
+#define TERRACE_STEREO_REPEATED_PATTERNS_ONCE_
 namespace terrace {
-namespace {
 
 constexpr int kTilePx = 8;
-constexpr int kWindowWidth = 16;  // as high as a tile
+/// A window is two blocks of a tile's size, half a tile to the left and half a tile to the right of it.
+constexpr int kFirstBlock = kTilePx / 2;
+constexpr int kWindowWidth = 2 * kTilePx;
 constexpr int kWindowPixels = kWindowWidth * kTilePx;
 constexpr int kMaxShift = 32;
+
+/// The rows of pixels that a row of tiles covers.
+struct TileRow {
+  const std::uint8_t*
+      first;  ///< of the first row's first block; kMaxShift pixels before and behind are readable
+  std::size_t stride;
+  int num_blocks;
+};
+
+}  // namespace terrace
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace terrace {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class V>
+HWY_INLINE V AbsDifference(V a, V b) {
+  return hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a));
+}
+
+/// For each window, how far its pixels are from the mean of their row: the sum.
+void ContrastOfWindows(const TileRow& row, int* contrasts) {
+  const hn::FixedTag<std::uint8_t, kWindowWidth> d;
+  const hn::Repartition<std::uint64_t, decltype(d)> d64;
+  const auto sum_of = [&](hn::Vec<decltype(d)> pixels) HWY_ATTR {
+    HWY_ALIGN std::uint64_t halves[2];
+    hn::Store(hn::SumsOf8(pixels), d64, halves);
+    return static_cast<int>(halves[0] + halves[1]);
+  };
+  for (int block = 0; block + 1 < row.num_blocks; ++block) {
+    auto sums = hn::Zero(d64);
+    for (int v = 0; v < kTilePx; ++v) {
+      const auto pixels = hn::LoadU(d, row.first + v * row.stride + block * kTilePx);
+      const int mean = (sum_of(pixels) + kWindowWidth / 2) / kWindowWidth;
+      sums = hn::Add(sums, hn::SumsOf8(AbsDifference(pixels, hn::Set(d, static_cast<std::uint8_t>(mean)))));
+    }
+    HWY_ALIGN std::uint64_t halves[2];
+    hn::Store(sums, d64, halves);
+    contrasts[block] = static_cast<int>(halves[0] + halves[1]);
+  }
+}
+
+/// For each block, the sum of its differences from what lies `shift` pixels to the right.
+void DifferencesOfBlocks(const TileRow& row, int shift, std::uint64_t* differences) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const hn::Repartition<std::uint64_t, decltype(d)> d64;
+  for (int block = 0; block < row.num_blocks; block += static_cast<int>(hn::Lanes(d64))) {
+    const std::uint8_t* pixels = row.first + block * kTilePx;
+    auto sums = hn::Zero(d64);
+    for (int v = 0; v < kTilePx; ++v, pixels += row.stride)
+      sums = hn::Add(sums, hn::SumsOf8(AbsDifference(hn::LoadU(d, pixels), hn::LoadU(d, pixels + shift))));
+    hn::StoreU(sums, d64, differences + block);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace terrace
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace terrace {
+HWY_EXPORT(ContrastOfWindows);
+HWY_EXPORT(DifferencesOfBlocks);
+
+namespace {
+
+constexpr int kBehind = 64;  // pixels or sums, which vectors touch
 /// Grey levels that a pattern differs by between two repetitions, in the mean.
 constexpr int kMinContrast = 6;
 /// How much of its contrast a pattern may differ by from its repetition, in percent: periods are not whole
 /// pixels, and change where the surface is seen at an angle.
 constexpr int kMaxDifferencePercent = 55;
-
-/// Sum over the window whose first pixel is (u, v) of how far pixels are from the mean of their row.
-int ContrastWithin(const cv::Mat1b& image, int u, int v) {
-  int sum = 0;
-  for (int row = v; row < v + kTilePx; ++row) {
-    const std::uint8_t* pixels = image[row] + u;
-    int total = 0, difference = 0;
-    for (int i = 0; i < kWindowWidth; ++i) total += pixels[i];
-    for (int i = 0; i < kWindowWidth; ++i) difference += std::abs(kWindowWidth * pixels[i] - total);
-    sum += difference / kWindowWidth;
-  }
-  return sum;
-}
 
 /// What shifts of a window in one direction, each longer than the one before, have shown.
 class Repetitions {
@@ -60,9 +127,22 @@ class Repetitions {
 
 }  // namespace
 
+class RepeatedPatterns::Scratch {
+ public:
+  struct OfOneThread {
+    AlignedArray<std::uint8_t> pixels;
+    AlignedArray<std::uint64_t> differences;
+    std::vector<int> contrasts;
+  };
+  tbb::enumerable_thread_specific<OfOneThread> threads;
+};
+
+RepeatedPatterns::RepeatedPatterns() : scratch_(std::make_unique<Scratch>()) {}
+RepeatedPatterns::~RepeatedPatterns() = default;
+
 void RepeatedPatterns::Find(const cv::Mat1b& image) {
   rows_ = image.rows / kTilePx;
-  columns_ = image.cols < kWindowWidth ? 0 : image.cols / kTilePx;
+  columns_ = image.cols < kFirstBlock + kWindowWidth ? 0 : image.cols / kTilePx;
   tiles_.assign(static_cast<std::size_t>(rows_) * columns_, Tile::kUnlike);
   if (columns_ == 0) return;
   ParallelFor(rows_, [&](int row) { FindInRow(image, row); });
@@ -70,42 +150,50 @@ void RepeatedPatterns::Find(const cv::Mat1b& image) {
 }
 
 void RepeatedPatterns::FindInRow(const cv::Mat1b& image, int row) {
+  Scratch::OfOneThread& mine = scratch_->threads.local();
+  const int num_blocks = (image.cols - kFirstBlock) / kTilePx, num_windows = num_blocks - 1;
+  const std::size_t stride = static_cast<std::size_t>(kMaxShift + image.cols + kMaxShift + kBehind);
+  std::uint8_t* const pixels = mine.pixels.Reserve(kTilePx * stride);
+  std::fill_n(pixels, kTilePx * stride, std::uint8_t{0});
+  for (int v = 0; v < kTilePx; ++v)
+    std::memcpy(pixels + v * stride + kMaxShift, image[row * kTilePx + v],
+                static_cast<std::size_t>(image.cols));
+  const TileRow tile_row = {pixels + kMaxShift + kFirstBlock, stride, num_blocks};
+
+  mine.contrasts.resize(num_windows);
+  HWY_DYNAMIC_DISPATCH(ContrastOfWindows)(tile_row, mine.contrasts.data());
   struct Window {
-    int column, begin, contrast;
+    int block, begin, contrast;
     Repetitions forward, backward;
   };
   std::vector<Window> windows;
-  for (int column = 0; column < columns_; ++column) {
-    const int begin =
-        std::clamp(column * kTilePx - (kWindowWidth - kTilePx) / 2, 0, image.cols - kWindowWidth);
-    const int contrast = ContrastWithin(image, begin, row * kTilePx);
-    if (contrast > kMinContrast / 2 * kWindowPixels) windows.push_back({column, begin, contrast, {}, {}});
-  }
+  for (int block = 0; block < num_windows; ++block)
+    if (mine.contrasts[block] > kMinContrast / 2 * kWindowPixels)
+      windows.push_back({block, kFirstBlock + block * kTilePx, mine.contrasts[block], {}, {}});
   if (windows.empty()) return;
-  std::vector<int> differences(image.cols), sums(image.cols + 1);
-  for (int shift = 1; shift <= std::min(kMaxShift, image.cols - kWindowWidth); ++shift) {
-    const int width = image.cols - shift;
-    std::fill_n(differences.begin(), width, 0);
-    for (int v = row * kTilePx; v < (row + 1) * kTilePx; ++v) {
-      const std::uint8_t *pixels = image[v], *shifted = pixels + shift;
-      for (int u = 0; u < width; ++u) differences[u] += std::abs(pixels[u] - shifted[u]);
-    }
-    for (int u = 0; u < width; ++u) sums[u + 1] = sums[u] + differences[u];
-    for (Window& window : windows) {
-      const auto add = [&](int begin, Repetitions& repetitions) {
-        if (begin >= 0 && begin + kWindowWidth <= width)
-          repetitions.Add(shift, sums[begin + kWindowWidth] - sums[begin], window.contrast);
-      };
-      add(window.begin, window.forward);
-      add(window.begin - shift, window.backward);
-    }
+
+  std::uint64_t* const differences = mine.differences.Reserve(num_blocks + kBehind);
+  const auto of_window = [&](const Window& window) {
+    return static_cast<int>(differences[window.block] + differences[window.block + 1]);
+  };
+  for (int shift = 1; shift <= kMaxShift; ++shift) {
+    HWY_DYNAMIC_DISPATCH(DifferencesOfBlocks)(tile_row, shift, differences);
+    for (Window& window : windows)
+      if (window.begin + kWindowWidth + shift <= image.cols)
+        window.forward.Add(shift, of_window(window), window.contrast);
+    HWY_DYNAMIC_DISPATCH(DifferencesOfBlocks)(tile_row, -shift, differences);
+    for (Window& window : windows)
+      if (window.begin >= shift) window.backward.Add(shift, of_window(window), window.contrast);
   }
   for (const Window& window : windows) {
     const bool twice = window.forward.twice() || window.backward.twice();
     const bool once = window.forward.once() || window.backward.once();
-    tiles_[row * columns_ + window.column] = twice  ? Tile::kLikeTwice
-                                             : once ? Tile::kLikeOnce
-                                                    : Tile::kUnlike;
+    if (!once && !twice) continue;
+    // The tile in the middle of the window; those at the image's edges have none of their own.
+    const int first = window.block == 0 ? 0 : window.block + 1;
+    const int last = window.block == num_windows - 1 ? columns_ - 1 : window.block + 1;
+    std::fill(&tiles_[row * columns_ + first], &tiles_[row * columns_ + last] + 1,
+              twice ? Tile::kLikeTwice : Tile::kLikeOnce);
   }
 }
 
@@ -138,3 +226,4 @@ int RepeatedPatterns::NumPixels(int v, int begin, int end, int scale) const {
 }
 
 }  // namespace terrace
+#endif  // HWY_ONCE

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -12,9 +13,12 @@ namespace terrace {
 /// agrees with it at several disparities, and only what lies around such a place tells which is right.
 class RepeatedPatterns {
  public:
+  RepeatedPatterns();
+  ~RepeatedPatterns();
+
   /// Looks at tiles of the image: one repeats itself when a window around it looks the same after one and
   /// after two periods, to the left or to the right, and different between; and so does a neighbour of such
-  /// a tile that looks the same after one. Periods of 2 to 16 pixels are found, none in images less than 16
+  /// a tile that looks the same after one. Periods of 2 to 16 pixels are found, none in images less than 20
   /// wide.
   void Find(const cv::Mat1b& image);
 
@@ -23,6 +27,7 @@ class RepeatedPatterns {
   int NumPixels(int v, int begin, int end, int scale) const;
 
  private:
+  class Scratch;
   enum class Tile : std::uint8_t { kUnlike, kLikeOnce, kLikeTwice };
 
   void FindInRow(const cv::Mat1b& image, int row);
@@ -30,6 +35,7 @@ class RepeatedPatterns {
 
   int rows_ = 0, columns_ = 0;
   std::vector<Tile> tiles_;
+  std::unique_ptr<Scratch> scratch_;
 };
 
 }  // namespace terrace
