@@ -107,7 +107,8 @@ class DisparityMatcher::Impl {
         half_matcher_(MatchingSettings(config, "mixed")),
         full_matcher_(MatchingSettings(config, "9x7")),
         edges_({.rounds = 1}),
-        refiner_({.iterations = config.tier == "fast" ? 1 : 2}) {}
+        refiner_({.iterations = config.tier == "fast" ? 1 : 3}),
+        half_refiner_({.iterations = config.tier == "fast" ? 3 : 2}) {}
 
   DisparityImage Match(const StereoFrame& frame, const DisparityPrior* prior) {
     const cv::Rect image({0, 0}, frame.left.size());
@@ -240,8 +241,7 @@ class DisparityMatcher::Impl {
   DisparityConfig config_;
   SemiGlobalMatcher half_matcher_, full_matcher_;
   DepthEdgeSharpener edges_;
-  Refiner refiner_;
-  Refiner half_refiner_{{.iterations = 2}};
+  Refiner refiner_, half_refiner_;
   cv::Mat1b half_left_, half_right_;
   cv::Mat1f half_disparity_, rough_disparity_;
   SteepSurfaces steep_;

@@ -39,13 +39,13 @@ constexpr int kMaxGrey = 1300;
 /// Of rounding two images to whole grey levels.
 constexpr float kRoundingVariance = 0.17f * kGreyUnits * kGreyUnits;
 /// Measured, as are the next three: the 68 % quantile of error / sigma is about one at every texture.
-constexpr float kNoiseScale = 0.82f;
+constexpr float kNoiseScale = 0.76f;
 /// How much of the gradients' energy is the images' noise, times its variance.
 constexpr float kNoiseInTexture = 2.0f;
 /// Standard deviation [px] of disparities that no texture supports, before the scale.
 constexpr float kUnsupportedSigma = 1.0f;
 /// Standard deviation [px] that no texture goes below: the images are interpolated.
-constexpr float kSamplingSigma = 0.035f;
+constexpr float kSamplingSigma = 0.045f;
 
 /// The known disparities of five rows, column by column.
 struct ColumnDisparities {
@@ -56,8 +56,8 @@ struct ColumnDisparities {
 /// What the two images say about one row at the disparities given, smoothed.
 struct ResidualRow {
   std::int16_t* disparity;  ///< 0 where unknown or outside the right image: then all others are 0 as well
-  std::int16_t* valid;      ///< 1 where known
-  std::int16_t* gradient;   ///< mean of both images', along the row
+  std::int16_t* valid;      ///< 1 where known and not beside another surface
+  std::int16_t* gradient;   ///< of the left image, along the row
   std::int16_t* residual;   ///< left less right
   std::int16_t* at_edge;    ///< not 0 where the window holds other surfaces
   std::int16_t* slope;      ///< of the disparity from row to row, where the surface is steep
@@ -71,9 +71,8 @@ struct ColumnSums {
 };
 
 struct RefineLimits {
-  std::int16_t max_jump;     ///< in kUnitsPerPx
-  std::int16_t right_share;  ///< of the gradient, times 2^15
-  std::int16_t gain;         ///< of the left image against the right one, times 2^13
+  std::int16_t max_jump;  ///< in kUnitsPerPx
+  std::int16_t gain;      ///< of the left image against the right one, times 2^13
   float max_step, given_sigma;
 };
 
@@ -163,9 +162,11 @@ HWY_INLINE Vec16 Quotient(Vec16 sums, Vec16 counts) {
 
 /// For each lane, the mean of the known disparities of the window that belong to the same surface; 0 where
 /// unknown.
+/// @param beside  out: the pixel to the left or to the right does not belong to the same surface
 template <bool kSteep>
 HWY_INLINE Vec16 Smooth(const std::int16_t* const* rows, const ColumnDisparities& columns,
-                        const std::int16_t* slopes, int u, std::int16_t max_jump, Vec16& at_edge) {
+                        const std::int16_t* slopes, int u, std::int16_t max_jump, Vec16& at_edge,
+                        hn::Mask<Tag16>& beside) {
   const Tag16 d;
   const auto zero = hn::Zero(d);
   const auto jump = kSteep ? JumpOnSlope(d, max_jump, hn::LoadU(d, slopes + u)) : hn::Set(d, max_jump);
@@ -185,7 +186,12 @@ HWY_INLINE Vec16 Smooth(const std::int16_t* const* rows, const ColumnDisparities
   const auto several = hn::Or(hn::Gt(hn::Sub(high, own), jump), hn::Gt(hn::Sub(own, low), jump));
   const auto apart = hn::And(known, hn::Or(several, hn::Eq(low, zero)));
   at_edge = zero;
+  beside = hn::MaskFromVec(zero);
   if (!hn::AllFalse(d, apart)) {
+    const auto other_surface = [&](const std::int16_t* p) HWY_ATTR {
+      return hn::Gt(hn::Abs(hn::Sub(hn::LoadU(d, p), own)), jump);
+    };
+    beside = hn::Or(other_surface(rows[kReach] + u - 1), other_surface(rows[kReach] + u + 1));
     const auto one = hn::Set(d, 1);
     auto num_known = zero, num_own = zero, own_total = zero;
     for (int r = 0; r < 5; ++r)
@@ -206,7 +212,8 @@ HWY_INLINE Vec16 Smooth(const std::int16_t* const* rows, const ColumnDisparities
 }
 
 /// Residual and gradient of the middle one of five rows. The right image is sampled by the cubic of Catmull
-/// and Rom, whose slope at whole pixels is the central difference that is taken in the left image.
+/// and Rom. The gradient is the left image's alone: between whole pixels the right one's noise is smoothed,
+/// and a gradient with a share of it pulls disparities there.
 template <bool kSteep>
 void ResidualsOfRowWith(const std::uint8_t* left, const std::uint8_t* right, const std::int16_t* const* rows,
                         const ColumnDisparities& columns, int width, const RefineLimits& limits,
@@ -216,7 +223,7 @@ void ResidualsOfRowWith(const std::uint8_t* left, const std::uint8_t* right, con
   constexpr int kUnitBits = 7;
   static_assert(1 << kUnitBits == kUnitsPerPx);
   const auto zero = hn::Zero(d);
-  const auto gain = hn::Set(d, limits.gain), right_share = hn::Set(d, limits.right_share);
+  const auto gain = hn::Set(d, limits.gain);
   const auto most = hn::Set(d, kMaxGrey), least = hn::Set(d, -kMaxGrey);
   const auto pixels = [&](const std::uint8_t* p) HWY_ATTR { return hn::PromoteTo(d, hn::LoadU(d8, p)); };
   for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(d))) {
@@ -227,7 +234,8 @@ void ResidualsOfRowWith(const std::uint8_t* left, const std::uint8_t* right, con
       continue;
     }
     Vec16 at_edge;
-    const auto given = Smooth<kSteep>(rows, columns, out.slope, u, limits.max_jump, at_edge);
+    hn::Mask<Tag16> beside;
+    const auto given = Smooth<kSteep>(rows, columns, out.slope, u, limits.max_jump, at_edge, beside);
     // u - given = u - whole + fraction, the fraction not negative.
     const auto whole = hn::ShiftRight<kUnitBits>(hn::Add(given, hn::Set(d, kUnitsPerPx - 1)));
     const auto fraction = hn::Sub(hn::ShiftLeft<kUnitBits>(whole), given);
@@ -263,20 +271,17 @@ void ResidualsOfRowWith(const std::uint8_t* left, const std::uint8_t* right, con
     const auto c2 = hn::Sub(hn::Sub(hn::ShiftLeft<4>(hn::Neg(p12)), c1), c3);
     const auto m1 = hn::MulFixedPoint15(f, c3);
     const auto m2 = hn::MulFixedPoint15(f, hn::Add(c2, m1));
-    const auto s = hn::Add(c1, m2);
-    const auto value = hn::Add(hn::ShiftLeft<4>(p1), hn::MulFixedPoint15(f, s));
-    const auto slope = hn::Add(hn::Add(s, m2), hn::MulFixedPoint15(f, m1));
+    const auto value = hn::Add(hn::ShiftLeft<4>(p1), hn::MulFixedPoint15(f, hn::Add(c1, m2)));
     // In kGreyUnits from here on.
-    const auto with_gain = [&](Vec16 v) HWY_ATTR { return hn::MulFixedPoint15(hn::Add(v, v), gain); };
-    const auto left_slope = hn::ShiftLeft<2>(hn::Sub(pixels(left + u + 1), pixels(left + u - 1)));
-    const auto right_slope = with_gain(slope);
-    const auto gradient =
-        hn::Add(left_slope, hn::MulFixedPoint15(hn::Sub(right_slope, left_slope), right_share));
-    const auto residual = hn::Sub(hn::ShiftLeft<3>(pixels(left + u)), with_gain(value));
+    const auto gradient = hn::ShiftLeft<2>(hn::Sub(pixels(left + u + 1), pixels(left + u - 1)));
+    const auto with_gain = hn::MulFixedPoint15(hn::Add(value, value), gain);
+    const auto residual = hn::Sub(hn::ShiftLeft<3>(pixels(left + u)), with_gain);
+    // Beside another surface, gradient and interpolation mix the two.
+    const auto counts = hn::AndNot(beside, valid);
     const auto cut = [&](Vec16 v)
-                         HWY_ATTR { return hn::IfThenElseZero(valid, hn::Max(hn::Min(v, most), least)); };
+                         HWY_ATTR { return hn::IfThenElseZero(counts, hn::Max(hn::Min(v, most), least)); };
     hn::StoreU(hn::IfThenElseZero(valid, given), d, out.disparity + u);
-    hn::StoreU(hn::IfThenElseZero(valid, hn::Set(d, 1)), d, out.valid + u);
+    hn::StoreU(hn::IfThenElseZero(counts, hn::Set(d, 1)), d, out.valid + u);
     hn::StoreU(cut(gradient), d, out.gradient + u);
     hn::StoreU(cut(residual), d, out.residual + u);
     hn::StoreU(hn::IfThenElseZero(valid, at_edge), d, out.at_edge + u);
@@ -333,7 +338,7 @@ HWY_INLINE WindowSums SumsOfSurface(const ResidualRow* rows, int u, std::int16_t
   const bool steep = rows[kReach].any_steep;
   const auto slope = steep ? hn::LoadU(d16, rows[kReach].slope + u) : hn::Zero(d16);
   const auto centre = hn::LoadU(d16, rows[kReach].disparity + u);
-  const auto jump = steep ? JumpOnSlope(d16, max_jump, slope) : hn::Set(d16, max_jump), one = hn::Set(d16, 1);
+  const auto jump = steep ? JumpOnSlope(d16, max_jump, slope) : hn::Set(d16, max_jump);
   auto n = hn::Zero(d16), sum_g = n, sum_e = n;
   WindowSums s;
   s.gg = s.ge = s.ee = hn::Zero(df);
@@ -347,7 +352,7 @@ HWY_INLINE WindowSums SumsOfSurface(const ResidualRow* rows, int u, std::int16_t
           hn::AndNot(hn::Gt(hn::Abs(hn::Sub(other, centre)), jump), hn::Gt(other, hn::Zero(d16)));
       const auto g = hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].gradient + at));
       const auto e = hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].residual + at));
-      n = hn::Add(n, hn::IfThenElseZero(same, one));
+      n = hn::Add(n, hn::IfThenElseZero(same, hn::LoadU(d16, rows[r].valid + at)));
       sum_g = hn::Add(sum_g, g);
       sum_e = hn::Add(sum_e, e);
       const auto gf = ToFloat(g), ef = ToFloat(e);
@@ -475,7 +480,8 @@ HWY_EXPORT(RefineRow);
 
 namespace {
 
-constexpr int kRowsPerStrip = 40;
+constexpr int kRowsPerStrip = 60;
+constexpr int kWholeVectors = 64;      // floats: a multiple of every target's vectors
 constexpr int kRing = 2 * kReach + 2;  // rows needed at once: those of a window, and the one that leaves it
 
 /// How much brighter the left image is, from every eighth row's pixels with a disparity: ratio of their
@@ -579,7 +585,6 @@ void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& g
   scratch.unknown.assign(Padded(left.cols) + 2 * kRowMargin, 0);
   const float gain = MeasureGain(left, right, given);
   const RefineLimits limits = {static_cast<std::int16_t>(std::lround(settings_.max_jump_px * kUnitsPerPx)),
-                               static_cast<std::int16_t>(std::lround(settings_.right_share * 32768)),
                                static_cast<std::int16_t>(std::lround(gain * 8192)), settings_.max_step_px,
                                settings_.given_sigma_px};
   for (int iteration = 1; iteration <= settings_.iterations; ++iteration) {
@@ -617,13 +622,16 @@ void Refiner::RefineStrip(int top, int bottom, const RefineLimits& limits, const
 
     const int v_refined = v - kReach;
     if (v_refined < top) continue;
+    // Whole vectors are written to the results at once, others would reach into the next row.
+    const bool in_place = width % kWholeVectors == 0;
+    float* const refined = disparity && in_place ? (*disparity)[v_refined] : rows.disparity;
+    float* const refined_sigma = !sigma ? nullptr : in_place ? (*sigma)[v_refined] : rows.sigma;
     HWY_DYNAMIC_DISPATCH(RefineRow)
-    (rows.Around(v_refined).data(), rows.sums, width, limits, rows.disparity, sigma ? rows.sigma : nullptr);
-    if (disparity)
-      std::memcpy((*disparity)[v_refined], rows.disparity, sizeof(float) * width);
-    else
-      ToUnits(rows.disparity, width, scratch_->refined.Row(v_refined));
-    if (sigma) std::memcpy((*sigma)[v_refined], rows.sigma, sizeof(float) * width);
+    (rows.Around(v_refined).data(), rows.sums, width, limits, refined, refined_sigma);
+    if (!disparity) ToUnits(refined, width, scratch_->refined.Row(v_refined));
+    if (in_place) continue;
+    if (disparity) std::memcpy((*disparity)[v_refined], refined, sizeof(float) * width);
+    if (sigma) std::memcpy((*sigma)[v_refined], refined_sigma, sizeof(float) * width);
   }
 }
 

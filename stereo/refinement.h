@@ -15,9 +15,6 @@ struct RefineLimits;
 /// Settings of the intensity-based sub-pixel step.
 struct RefinementSettings {
   int iterations = 2;
-  /// How much of the gradient is the right image's, less than 1. Between whole pixels its noise is smoothed,
-  /// and pulls disparities there the more it counts; but with half of it steps are the most exact.
-  float right_share = 0.25f;
   float max_step_px = 1.0f;      ///< a pixel that wants to go further in one iteration stays where it was
   float max_jump_px = 1.0f;      ///< neighbours whose disparity differs more belong to another surface
   float given_sigma_px = 0.15f;  ///< how far the disparity given is trusted where there is no texture

@@ -16,7 +16,6 @@
 namespace terrace {
 namespace {
 
-
 bool SameBits(const cv::Mat1f& a, const cv::Mat1f& b) {
   return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](float x, float y) {
            return std::memcmp(&x, &y, sizeof(float)) == 0 || (std::isnan(x) && std::isnan(y));
@@ -30,7 +29,8 @@ cv::Mat1f RoughDisparity(int width, int height, const SlantedPlane& plane, doubl
   cv::Mat1f rough(height, width);
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u)
-      rough(v, u) = random() % 10 == 0 ? kUnknownDisparity : static_cast<float>(plane.At(u, v) + offset(random));
+      rough(v, u) =
+          random() % 10 == 0 ? kUnknownDisparity : static_cast<float>(plane.At(u, v) + offset(random));
   return rough;
 }
 
@@ -90,7 +90,8 @@ double ErrorInSigmas(const SlantedPlane& plane, const Photometry& light, double 
     for (int u = 30; u < 397; ++u)
       if (!std::isnan(disparity(v, u)))
         errors.push_back(std::abs(disparity(v, u) - plane.At(u, v)) / sigma(v, u));
-  const auto quantile = errors.begin() + static_cast<std::ptrdiff_t>(0.68 * static_cast<double>(errors.size()));
+  const auto quantile =
+      errors.begin() + static_cast<std::ptrdiff_t>(0.68 * static_cast<double>(errors.size()));
   std::nth_element(errors.begin(), quantile, errors.end());
   return *quantile;
 }
@@ -99,8 +100,12 @@ TEST(RefinementTest, KnowsHowWrongItMayBeAtEveryTextureAndNoise) {
   for (const Photometry& light : std::vector<Photometry>{{.contrast = 25, .mean = 110, .noise = 1.0},
                                                          {.contrast = 15, .mean = 110, .noise = 1.0},
                                                          {.contrast = 15, .mean = 110, .noise = 3.0},
-                                                         {.contrast = 5, .mean = 40, .noise = 1.0}})
-    EXPECT_NEAR(ErrorInSigmas({16.3, 0.02, 0.03}, light, 0.4), 1.0, 0.25) << light.contrast << " " << light.noise;
+                                                         {.contrast = 5, .mean = 40, .noise = 1.0}}) {
+    // These textures are smooth: interpolated better than those that sigma is measured on.
+    const double errors = ErrorInSigmas({16.3, 0.02, 0.03}, light, 0.4);
+    EXPECT_GT(errors, 0.7) << light.contrast << " " << light.noise;
+    EXPECT_LT(errors, 1.25) << light.contrast << " " << light.noise;
+  }
 }
 
 TEST(RefinementTest, IsHardlyDrawnToHalfPixelsByNoise) {
@@ -116,7 +121,7 @@ TEST(RefinementTest, IsHardlyDrawnToHalfPixelsByNoise) {
     for (int v = 3; v < 197; ++v)
       for (int u = 30; u < 637; ++u) sum += disparity(v, u) - plane.At(u, v), ++count;
     const double towards_half = fraction < 0.5 ? sum / count : -sum / count;
-    EXPECT_LT(towards_half, 0.055);  // 0.07 if both images' gradients counted the same
+    EXPECT_LT(towards_half, 0.02);  // 0.07 if both images' gradients counted the same
   }
 }
 
@@ -167,11 +172,13 @@ TEST(RefinementTest, DoesNotMixTwoSurfaces) {
       if (u - 12 < 108) frame.right(v, u - 12) = near_frame.right(v, u - 12);
       disparity(v, u) = 12.3f;
     }
-  Refiner({}).Refine(frame.left, frame.right, disparity, &sigma);
-  std::vector<float> found;
-  for (int v = 5; v < 35; ++v) found.push_back(disparity(v, 61));
-  std::nth_element(found.begin(), found.begin() + 15, found.end());
-  EXPECT_NEAR(found[15], 12.0, 0.1);
+  // The first column, whose neighbour is another surface, holds on however often it is refined.
+  Refiner({.iterations = 6}).Refine(frame.left, frame.right, disparity, &sigma);
+  for (int u = 60; u < 63; ++u) {
+    double squares = 0.0;
+    for (int v = 5; v < 35; ++v) squares += std::pow(disparity(v, u) - 12.0, 2);
+    EXPECT_LT(std::sqrt(squares / 30), 0.12) << "column " << u;
+  }
 }
 
 }  // namespace
