@@ -34,12 +34,12 @@ class PoseFinder {
     std::vector<Match> matches;
     std::vector<int> tried;  ///< landmarks looked for
     PoseSolution solution;
-    double score = 0.0;             ///< sum of the trust in all that agree: one a cell, so old and wide wins
-    double share = 0.0;             ///< of the trust in all that was expected
-    double mean_trust = 0.0;        ///< of the inliers
-    double mean_trust_expected = 0.0;
-    int num_known = 0;              ///< inliers that have stood still before
-    int num_known_tried = 0;        ///< of all that were looked for
+    double score = 0.0;       ///< sum of the trust in all that agree: one a cell, so old and wide wins
+    double share = 0.0;       ///< of the trust in all that was expected
+    double mean_trust = 0.0;  ///< of the inliers
+    double mean_trust_expected = 0.0;  ///< of all that was expected
+    int num_known = 0;                 ///< inliers that have stood still before
+    int num_known_tried = 0;           ///< of all that were looked for
     /// How far off the pose may be, beyond what its information says, because another motion explains nearly
     /// as much: covariance in its own frame; none: no other does.
     std::optional<Matrix6d> doubt;

@@ -51,21 +51,19 @@ HWY_INLINE V AbsDifference(V a, V b) {
 void ContrastOfWindows(const TileRow& row, int* contrasts) {
   const hn::FixedTag<std::uint8_t, kWindowWidth> d;
   const hn::Repartition<std::uint64_t, decltype(d)> d64;
-  const auto sum_of = [&](hn::Vec<decltype(d)> pixels) HWY_ATTR {
+  const auto total = [&](hn::Vec<decltype(d64)> sums) HWY_ATTR {
     HWY_ALIGN std::uint64_t halves[2];
-    hn::Store(hn::SumsOf8(pixels), d64, halves);
+    hn::Store(sums, d64, halves);
     return static_cast<int>(halves[0] + halves[1]);
   };
   for (int block = 0; block + 1 < row.num_blocks; ++block) {
     auto sums = hn::Zero(d64);
     for (int v = 0; v < kTilePx; ++v) {
       const auto pixels = hn::LoadU(d, row.first + v * row.stride + block * kTilePx);
-      const int mean = (sum_of(pixels) + kWindowWidth / 2) / kWindowWidth;
+      const int mean = (total(hn::SumsOf8(pixels)) + kWindowWidth / 2) / kWindowWidth;
       sums = hn::Add(sums, hn::SumsOf8(AbsDifference(pixels, hn::Set(d, static_cast<std::uint8_t>(mean)))));
     }
-    HWY_ALIGN std::uint64_t halves[2];
-    hn::Store(sums, d64, halves);
-    contrasts[block] = static_cast<int>(halves[0] + halves[1]);
+    contrasts[block] = total(sums);
   }
 }
 
