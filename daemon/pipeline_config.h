@@ -2,14 +2,9 @@
 #pragma once
 
 #include "daemon/flow_config.h"
-#include "labeling/staircase_finder.h"
-#include "labeling/terrain_labeler.h"
-#include "mapping/terrain_octree.h"
 #include "odometry/visual_odometry.h"
-#include "polygonization/cell_modeller.h"
-#include "polygonization/polygon_merger.h"
-#include "stereo/cloud.h"
 #include "stereo/disparity_matcher.h"
+#include "terrain/terrain_config.h"
 
 namespace terrace {
 
@@ -18,13 +13,7 @@ struct PipelineConfig {
   FlowConfig flow;
   DisparityConfig stereo;
   OdometryConfig odometry;
-  CloudConfig cloud;
-  MappingConfig mapping;
-  ModellingConfig modelling;
-  MergingConfig merging;
-  LabelingConfig labeling;
-  StaircaseConfig staircases;
-  RobotConfig robot;
+  TerrainConfig terrain;
 };
 
 }  // namespace terrace

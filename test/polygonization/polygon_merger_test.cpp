@@ -21,7 +21,7 @@ class Mapper {
  public:
   const PolygonUpdate& See(const PlaneWorld& world, const PoseEstimate& pose) {
     const Cloud cloud = world.See(TestCamera(), pose.T_world_left, pose.frame_id, 1, kSigma_px, &random_);
-    update_ = merger_.Merge(modeller_.Fit(octree_, octree_.Insert(cloud, pose)));
+    update_ = merger_.Merge(modeller_.Fit(octree_, octree_.Insert(cloud, TestCamera(), pose)));
     return update_;
   }
   const PolygonUpdate& update() const { return update_; }
@@ -46,7 +46,7 @@ class Mapper {
 
  private:
   std::mt19937 random_{1};
-  TerrainOctree octree_{MappingConfig{}, TestCamera()};
+  TerrainOctree octree_{MappingConfig{}};
   CellModeller modeller_{ModellingConfig{}};
   PolygonMerger merger_{MergingConfig{}};
   PolygonUpdate update_;
