@@ -120,7 +120,7 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   std::shared_ptr<const DisparityPrior> disparity_prior;
   // A pose that is bridged or in doubt is a guess: it tells the robot where it is, but nothing is built on
   // it.
-  if (tracked.pose.status == TrackingStatus::kTracking && tracked.pose.reason.empty() && disparity) {
+  if (tracked.pose.trusted && disparity) {
     const ChangedCells cells = meters_["decomposition"].Run([&] {
       if (config_.stereo.use_prior) disparity_prior = ExpectDisparities(*disparity, tracked.pose);
       const Cloud cloud = Triangulate(*disparity, camera(), config_.cloud, self_mask_);

@@ -549,7 +549,9 @@ VisualOdometry::VisualOdometry(const OdometryConfig& config, const StereoCamera&
 VisualOdometry::~VisualOdometry() = default;
 
 PoseEstimate VisualOdometry::Track(const StereoFrame& frame, const SensorSamples& samples) {
-  return impl_->Track(frame, samples);
+  PoseEstimate pose = impl_->Track(frame, samples);
+  pose.trusted = pose.status == TrackingStatus::kTracking && pose.reason.empty();
+  return pose;
 }
 PoseEstimate VisualOdometry::Bridge(FrameId frame_id, Timestamp t_capture, const SensorSamples& samples,
                                     const std::string& reason) {

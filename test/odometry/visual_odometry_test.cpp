@@ -247,6 +247,7 @@ TEST(VisualOdometryTest, BridgesBlackFramesAndSaysSoAndFindsBack) {
     if (i == 0) first = pose;
     EXPECT_EQ(pose.status, black ? TrackingStatus::kBridging : TrackingStatus::kTracking) << "frame " << i;
     EXPECT_EQ(pose.reason.empty(), !black);
+    EXPECT_EQ(pose.trusted, !black);
     if (black) {
       EXPECT_GT(pose.covariance(5, 5), sigma_before) << "frame " << i;
     }
@@ -420,12 +421,12 @@ TEST(VisualOdometryTest, PublishesNoJumpAsCertainWhenItStumblesBeforeAMovingBoar
       const PoseEstimate pose = odometry.Track(frame, {});
       if (i == 0) first = pose;
       const Vector6d error = StepBetween(Walk(0).inverse() * Walk(at), FromStart(first, pose));
-      if (pose.status == TrackingStatus::kTracking && pose.reason.empty()) {
+      if (pose.trusted) {
         EXPECT_LT(1e3 * error.tail<3>().norm(), 4.0) << "stumbles at " << stumble << ", frame " << i;
       } else {
         EXPECT_LT(Chi2(error, pose.covariance), 20.0) << "stumbles at " << stumble << ", frame " << i;
       }
-      num_doubtful += pose.status == TrackingStatus::kTracking && !pose.reason.empty();
+      num_doubtful += pose.status == TrackingStatus::kTracking && !pose.trusted;
     }
   }
   EXPECT_GT(num_doubtful, 0);
