@@ -5,7 +5,7 @@
 #include "labeling/staircase_finder.h"
 #include "labeling/terrain_labeler.h"
 #include "mapping/terrain_octree.h"
-#include "odometry/visual_odometry.h"
+#include "odometry/odometry_config.h"
 #include "polygonization/cell_modeller.h"
 #include "polygonization/polygon_merger.h"
 #include "stereo/cloud.h"

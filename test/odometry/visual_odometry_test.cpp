@@ -545,21 +545,6 @@ TEST(VisualOdometryTest, WaitsForSomethingToSee) {
   EXPECT_EQ(odometry.Track(World().Frame(1, Walk(0)), {}).status, TrackingStatus::kTracking);
 }
 
-TEST(VisualOdometryTest, TakesOverACorrectionWithoutAJump) {
-  VisualOdometry odometry({}, kCamera, {});
-  const PoseEstimate first = odometry.Track(World().Frame(0, Walk(0)), {});
-  PoseCorrection correction;
-  correction.T_corrected_world.translation() << 0.0, 0.0, 0.003;
-  odometry.Apply(correction);
-  PoseEstimate before = first;
-  for (int i = 1; i < 10; ++i) {
-    const PoseEstimate pose = odometry.Track(World().Frame(i, Walk(0)), {});
-    EXPECT_LT((pose.T_world_left.translation() - before.T_world_left.translation()).norm(), 0.001);
-    before = pose;
-  }
-  EXPECT_NEAR(before.T_world_left.translation().z() - first.T_world_left.translation().z(), 0.003, 0.0005);
-}
-
 TEST(VisualOdometryTest, TakesUpFromPlanesOnlyWhenNothingBetterIsKnown) {
   VisualOdometry odometry({}, kCamera, {});
   odometry.Track(World().Frame(0, Walk(0)), {});
