@@ -82,11 +82,12 @@ TrackedPose Pipeline::Track(const SensorFrame& sensors, const StereoFramePtr& fr
 
 FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity,
                           const TrackedPose& tracked) {
-  if (reset_requested_.exchange(false)) mapper_.Reset();
+  // The map of another world has no place in this one.
+  const bool new_world = std::exchange(epoch_, tracked.pose.epoch) != tracked.pose.epoch;
+  if (reset_requested_.exchange(false) || new_world) mapper_.Reset();
   // A pose that is bridged or in doubt is a guess: it tells the robot where it is, but nothing is built on
   // it.
-  const bool mapped =
-      tracked.pose.status == TrackingStatus::kTracking && tracked.pose.reason.empty() && disparity;
+  const bool mapped = tracked.pose.trusted && disparity;
   FrameResult result;
   result.pose = tracked.pose;
   result.change = mapped ? mapper_.Update({*disparity, camera(), self_mask_}, tracked.pose, tracked.gravity)

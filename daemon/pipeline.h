@@ -90,6 +90,7 @@ class Pipeline {
   FeedbackExchange<std::optional<GravityHint>> gravity_hints_;
   FeedbackExchange<std::shared_ptr<const DisparityPrior>> disparity_priors_;  // only with stereo.use_prior
   std::optional<PoseEstimate> last_tracked_;                                  // of the thread that maps
+  int epoch_ = 0;  // of the thread that maps
   std::atomic<bool> reset_requested_{false};
 };
 

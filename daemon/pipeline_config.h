@@ -2,7 +2,7 @@
 #pragma once
 
 #include "daemon/flow_config.h"
-#include "odometry/visual_odometry.h"
+#include "odometry/odometry_config.h"
 #include "stereo/disparity_matcher.h"
 #include "terrain/terrain_config.h"
 

@@ -52,7 +52,7 @@ class TerrainOctree::Impl {
       : config_(config), tree_(config), report_(config.memory_frames) {}
 
   ChangedCells Insert(const Cloud& cloud, const StereoCamera& camera, const PoseEstimate& pose) {
-    if (pose.status != TrackingStatus::kTracking || !IsCountable(pose.T_world_left.translation(), config_))
+    if (!pose.trusted || !IsCountable(pose.T_world_left.translation(), config_))
       return {cloud.frame_id, cloud.t_capture, {}};
     report_.Begin(cloud.frame_id);
     SumPoints(cloud, camera, pose.T_world_left, config_, &frame_leaves_, &tiles_);

@@ -42,7 +42,7 @@ TerrainMapper::TerrainMapper(const TerrainConfig& config, const StereoCamera& ca
 }
 
 MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose, const Gravity& gravity) {
-  TERRACE_CHECK(pose.status == TrackingStatus::kTracking, pose.reason);
+  TERRACE_CHECK(pose.trusted, pose.reason);
   MapChange change;
   const TerrainMapPtr before = map();
   StageMeasurement measuring(meters_, StageId::kDecomposition);

@@ -70,6 +70,7 @@ TEST(PipelineTest, BuildsNothingOnAPoseInDoubt) {
     const auto disparity = pipeline.Match(frame);
     TrackedPose tracked;
     tracked.pose.status = TrackingStatus::kTracking;
+    tracked.pose.trusted = !in_doubt;
     if (in_doubt) tracked.pose.reason = "another motion explains nearly as much";
     const FrameResult result = pipeline.Map(disparity, tracked);
     EXPECT_EQ(result.change.map_cells == 0, in_doubt);
