@@ -2,8 +2,8 @@
 #pragma once
 
 #include "daemon/flow_config.h"
-#include "labeling/staircase_finder.h"
-#include "labeling/terrain_labeler.h"
+#include "labeling/labeling_config.h"
+#include "labeling/staircase_config.h"
 #include "mapping/terrain_octree.h"
 #include "odometry/visual_odometry.h"
 #include "polygonization/cell_modeller.h"
