@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "labeling/staircase_finder.h"
-#include "labeling/terrain_labeler.h"
+#include "labeling/labeling_config.h"
+#include "labeling/staircase_config.h"
 #include "mapping/mapping_config.h"
 #include "polygonization/cell_modeller.h"
 #include "polygonization/polygon_merger.h"
