@@ -5,7 +5,7 @@
 #include "labeling/staircase_config.h"
 #include "mapping/mapping_config.h"
 #include "polygonization/cell_modeller.h"
-#include "polygonization/polygon_merger.h"
+#include "polygonization/merging_config.h"
 #include "stereo/cloud.h"
 
 namespace terrace {
