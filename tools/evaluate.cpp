@@ -12,6 +12,7 @@
 #include "datasets/file_bytes.h"
 #include "evaluation/evaluation.h"
 #include "evaluation/evaluation_text.h"
+#include "evaluation/feet_picture.h"
 #include "evaluation/report.h"
 #include "tools/commands.h"
 #include "tools/evaluate_all.h"
@@ -54,6 +55,8 @@ void EvaluateFolder(const EvaluateArguments& arguments) {
       EvaluateResult(result, arguments.result_and_sequence[1], OptionsOf(arguments.include));
   WriteText(result / "evaluation.json", ToJson(evaluation));
   WriteText(result / "report.html", ToReport(evaluation));
+  const ColourImage feet = evaluation.feet ? PictureOfFeet(*evaluation.feet) : ColourImage{};
+  if (!feet.data.empty()) WriteFileBytes(result / "feet.png", EncodePng(feet));
   std::fputs(ToTable(evaluation).c_str(), stdout);
 }
 
@@ -101,9 +104,9 @@ void AddEvaluateCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("evaluate", "Measure a replay, or one disparity image, against the truth");
   auto arguments = std::make_shared<EvaluateArguments>();
-  command->add_option(
-      "RESULT_DIR SEQUENCE", arguments->result_and_sequence,
-      "what terraced replay wrote, and what it read; writes RESULT_DIR/evaluation.json and report.html");
+  command->add_option("RESULT_DIR SEQUENCE", arguments->result_and_sequence,
+                      "what terraced replay wrote, and what it read; writes RESULT_DIR/evaluation.json, "
+                      "report.html and feet.png");
   command->add_option("--include", arguments->include, "true polygons to ask for besides the ordinary ones")
       ->check(CLI::IsMember({"other", "detail"}))
       ->delimiter(',');
