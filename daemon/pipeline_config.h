@@ -10,12 +10,14 @@
 #include "polygonization/polygon_merger.h"
 #include "stereo/cloud.h"
 #include "stereo/disparity_matcher.h"
+#include "stereo/rectifier.h"
 
 namespace terrace {
 
 /// The settings of every stage.
 struct PipelineConfig {
   FlowConfig flow;
+  RectifierConfig rectifier;
   DisparityConfig stereo;
   OdometryConfig odometry;
   CloudConfig cloud;
