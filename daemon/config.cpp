@@ -56,6 +56,7 @@ class Binding {
   explicit Binding(Config* config) {
     PipelineConfig& p = config->pipeline;
     Bind("pipeline", &p.flow);
+    Bind("stereo", &p.rectifier);
     Bind("stereo", &p.stereo);
     Bind("odometry", &p.odometry);
     // One section for both: a user limits the range of the map, wherever that happens.

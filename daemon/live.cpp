@@ -54,7 +54,8 @@ class LiveMapper {
              lcm::LCM* lcm, StatusReporter* reporter)
       : reporter_(reporter),
         pipeline_(config.pipeline, calibration,
-                  LoadSelfMask(config.pipeline.terrain.robot.self_mask_png, calibration)),
+                  LoadSelfMask(config.pipeline.terrain.robot.self_mask_png,
+                               RectifiedSize(calibration, config.pipeline.rectifier))),
         publisher_(lcm, config.channels, pipeline_.T_body_left(), config.live.snapshot_period_s),
         threads_(&pipeline_, WhenFull::kDropOldest,
                  [this](const SensorFrame&, const FrameResult& result) { TakeResult(result); }) {

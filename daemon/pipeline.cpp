@@ -34,7 +34,7 @@ std::vector<std::string> FlowConfig::Problems() const {
 Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibration,
                    const cv::Mat1b& self_mask)
     : config_(config),
-      rectifier_(calibration),
+      rectifier_(calibration, config.rectifier),
       mounting_(MountingOf(calibration, rectifier_.R_rect_raw())),
       self_mask_(self_mask),
       matcher_(config.stereo),

@@ -4,6 +4,7 @@
 #include "daemon/flow_config.h"
 #include "odometry/odometry_config.h"
 #include "stereo/disparity_matcher.h"
+#include "stereo/rectifier.h"
 #include "terrain/terrain_config.h"
 
 namespace terrace {
@@ -11,6 +12,7 @@ namespace terrace {
 /// The settings of every stage.
 struct PipelineConfig {
   FlowConfig flow;
+  RectifierConfig rectifier;
   DisparityConfig stereo;
   OdometryConfig odometry;
   TerrainConfig terrain;

@@ -85,7 +85,8 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
 
   Pipeline pipeline(config.pipeline, info.calibration,
-                    LoadSelfMask(config.pipeline.terrain.robot.self_mask_png, info.calibration));
+                    LoadSelfMask(config.pipeline.terrain.robot.self_mask_png,
+                                 RectifiedSize(info.calibration, config.pipeline.rectifier)));
   PrepareOutputFolder(options.output, options.overwrite);
   ResultWriter writer(options.output, {pipeline.camera(), pipeline.R_rect_raw(), pipeline.T_body_left()},
                       options.save_disparity_every);
