@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "core/geometry.h"
+#include "core/reason_code.h"
 #include "core/time.h"
 
 namespace terrace {
@@ -25,6 +26,8 @@ struct PoseEstimate {
   TrackingStatus status = TrackingStatus::kLost;
   /// Why bridging or lost; while tracking, why the pose is in doubt. Empty when all is well.
   std::string reason;
+  ReasonCode reason_code = ReasonCode::kNone;  ///< the same for programs
+  int epoch = 0;  ///< jumps of the world so far; poses of different epochs have no common frame
   Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
   /// Of the error of T_world_left against the first published pose: rotation [rad], translation [m]; left
   /// frame.

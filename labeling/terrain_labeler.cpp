@@ -86,7 +86,7 @@ class TerrainLabeler::Impl {
     SurfacePtr surface;  ///< that the region was made of
     TerrainLabel next_label = TerrainLabel::kUnknown;
     int num_next = 0;  ///< frames in a row that said next_label instead of the published one
-    std::vector<EdgeKind> edges;
+    std::vector<RegionEdge> edges;
     bool edges_stale = true;  ///< something beside the surface has changed since
   };
 
@@ -223,19 +223,6 @@ class TerrainLabeler::Impl {
     return {told, memory.region->confidence};
   }
 
-  static void FillProbabilities(TerrainRegion& region) {
-    // What is not the label is most likely not decided, then anything else.
-    constexpr double kShareOfUnknown = 0.6;
-    const double rest = 1.0 - region.confidence;
-    const auto label = static_cast<std::size_t>(region.label);
-    const bool unknown = region.label == TerrainLabel::kUnknown;
-    const double others =
-        unknown ? rest / (kNumTerrainLabels - 1) : rest * (1.0 - kShareOfUnknown) / (kNumTerrainLabels - 2);
-    region.label_probability.fill(others);
-    if (!unknown) region.label_probability[0] = rest * kShareOfUnknown;
-    region.label_probability[label] = region.confidence;
-  }
-
   std::shared_ptr<const TerrainRegion> MakeRegion(const Surface& surface, const Memory& memory,
                                                   const Verdict& verdict, const InStaircase* stairs) const {
     // A confidence that moves by less is not worth a message.
@@ -246,7 +233,7 @@ class TerrainLabeler::Impl {
     const std::optional<std::int64_t> staircase_id = stairs ? std::optional(stairs->id) : std::nullopt;
     const std::optional<int> step_index = stairs ? std::optional(stairs->place.step_index) : std::nullopt;
     if (same_polygon && old->label == verdict.label && old->staircase_id == staircase_id &&
-        old->step_index == step_index && old->edge_kinds == memory.edges &&
+        old->step_index == step_index && old->edges == memory.edges &&
         std::abs(old->confidence - verdict.confidence) < kConfidenceStep)
       return old;
     auto region = std::make_shared<TerrainRegion>();
@@ -254,14 +241,14 @@ class TerrainLabeler::Impl {
     region->revision = old ? old->revision + 1 : 1;
     region->label = verdict.label;
     region->confidence = verdict.confidence;
-    FillProbabilities(*region);
     region->plane_world = polygon.plane_world;
     region->plane_covariance = polygon.plane_covariance;
+    region->centroid_world = polygon.centroid_world;
     region->rms_m = polygon.rms_m;
     region->area_m2 = polygon.area_m2;
     region->outline_world = polygon.outline_world;
     region->holes_world = polygon.holes_world;
-    region->edge_kinds = memory.edges;
+    region->edges = memory.edges;
     region->support = polygon.support;
     region->num_observations = polygon.num_observations;
     region->first_seen = polygon.first_seen;
@@ -278,7 +265,9 @@ class TerrainLabeler::Impl {
     auto map = std::make_shared<TerrainMap>();
     map->t_capture = update.t_capture;
     map->map_id = map_->map_id;
+    map->epoch = pose.epoch;
     map->T_world_left = pose.T_world_left;
+    map->covariance = pose.covariance;
     map->gravity = gravity;
     const std::map<PolygonId, InStaircase> stairs = StairRegions();
     std::map<PolygonId, Memory> memories;

@@ -358,7 +358,7 @@ region_v1_t ToMessage(const TerrainRegion& region, const Gravity& gravity) {
   region_v1_t message{};
   message.id = region.id;
   message.revision = region.revision;
-  message.predicted = region.predicted;
+  message.predicted = region.predicted();
   message.first_utime = region.first_seen.utime();
   message.last_utime = region.last_seen.utime();
   message.n_obs = region.num_observations;
@@ -392,7 +392,8 @@ region_v1_t ToMessage(const TerrainRegion& region, const Gravity& gravity) {
   message.n_rings = static_cast<std::int32_t>(message.ring_size.size());
   message.n_coords = static_cast<std::int32_t>(message.coords.size());
   message.n_vertices = message.n_coords / 2;
-  for (const EdgeKind kind : region.edge_kinds) message.edge_kind.push_back(static_cast<std::int8_t>(kind));
+  for (const RegionEdge& edge : region.edges)
+    message.edge_kind.push_back(static_cast<std::int8_t>(edge.kind));
   message.edge_kind.resize(static_cast<std::size_t>(message.n_vertices), region_v1_t::EDGE_LIMIT_OF_VIEW);
 
   message.area = static_cast<float>(region.area_m2);
@@ -401,8 +402,6 @@ region_v1_t ToMessage(const TerrainRegion& region, const Gravity& gravity) {
       static_cast<float>(std::acos(std::clamp(std::abs(normal.dot(gravity.up_world())), 0.0, 1.0)));
   message.support = static_cast<float>(region.support);
   message.label = static_cast<std::int8_t>(region.label);
-  for (int i = 0; i < kNumTerrainLabels; ++i)
-    message.label_prob[i] = static_cast<float>(region.label_probability[i]);
   message.label_prob[message.label] = static_cast<float>(region.confidence);
   message.staircase_id = region.staircase_id.value_or(0);
   message.step_index = region.step_index.value_or(0);
@@ -427,7 +426,6 @@ std::optional<TerrainRegion> FromMessage(const region_v1_t& message) {
   region.revision = message.revision;
   region.label = *label;
   region.confidence = message.label_prob[message.label];
-  std::copy(std::begin(message.label_prob), std::end(message.label_prob), region.label_probability.begin());
   region.plane_world.normal = T_world_plane->linear().col(2);
   region.plane_world.offset_m = region.plane_world.normal.dot(T_world_plane->translation());
   int next = 0;
@@ -439,7 +437,7 @@ std::optional<TerrainRegion> FromMessage(const region_v1_t& message) {
   region.rms_m = message.rms;
   region.area_m2 = message.area;
   region.support = message.support;
-  region.predicted = message.predicted != 0;
+  region.source = message.predicted != 0 ? RegionSource::kPredicted : RegionSource::kSeen;
   region.num_observations = message.n_obs;
   region.first_seen = *first_seen;
   region.last_seen = *last_seen;
@@ -465,7 +463,7 @@ std::optional<TerrainRegion> FromMessage(const region_v1_t& message) {
   for (const std::int8_t number : message.edge_kind) {
     const auto kind = EnumFrom<EdgeKind>(number, 4);
     if (!kind) return std::nullopt;
-    region.edge_kinds.push_back(*kind);
+    region.edges.push_back({*kind, {}, {}});
   }
   return region;
 }
