@@ -30,19 +30,15 @@ TerrainPublisher::TerrainPublisher(lcm::LCM* lcm, ChannelConfig channels,
       snapshot_period_(static_cast<std::int64_t>(snapshot_period_s * 1e9)),
       first_map_id_(MicrosecondsNow()) {}
 
-void TerrainPublisher::Publish(const PoseEstimate& pose, const TerrainMapPtr& map) {
-  const std::lock_guard lock(mutex_);
-  PublishPose(pose);
-  PublishTerrain(map);
-}
-
 void TerrainPublisher::PublishPose(const PoseEstimate& pose) {
+  const std::lock_guard lock(pose_mutex_);
   Send(channels_.odometry, ToUpdateMessage(pose, t_pose_));
   if (pose.status != TrackingStatus::kLost) Send(channels_.pose, ToPoseMessage(pose, T_body_left_, t_pose_));
   t_pose_ = pose.t_capture;
 }
 
 void TerrainPublisher::PublishTerrain(const TerrainMapPtr& map) {
+  const std::lock_guard lock(mutex_);
   const bool new_map = !sent_ || sent_->map_id != map->map_id;
   const bool snapshot_due = new_map || map->t_capture - t_snapshot_ >= snapshot_period_;
   const bool changed = new_map || sent_->seq != map->seq;
@@ -67,10 +63,7 @@ void TerrainPublisher::Publish(const Status& status) {
   Send(channels_.status, ToMessage(status));
 }
 
-std::int64_t TerrainPublisher::num_failures() const {
-  const std::lock_guard lock(mutex_);
-  return num_failures_;
-}
+std::int64_t TerrainPublisher::num_failures() const { return num_failures_; }
 
 template <typename Message>
 void TerrainPublisher::Send(const std::string& channel, const Message& message) {

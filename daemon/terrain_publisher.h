@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -25,7 +26,10 @@ class TerrainPublisher {
   TerrainPublisher(lcm::LCM* lcm, ChannelConfig channels, std::optional<Eigen::Isometry3d> T_body_left,
                    double snapshot_period_s);
 
-  void Publish(const PoseEstimate& pose, const TerrainMapPtr& map);
+  /// The pose of one frame; does not wait for terrain that is being sent.
+  void PublishPose(const PoseEstimate& pose);
+  /// The map as one frame left it: what has changed since the last one, and a snapshot when one is due.
+  void PublishTerrain(const TerrainMapPtr& map);
   void Publish(const Status& status);
   /// Sends the map again, whole; false when there is none yet.
   bool SendSnapshot();
@@ -34,8 +38,6 @@ class TerrainPublisher {
   std::int64_t num_failures() const;
 
  private:
-  void PublishPose(const PoseEstimate& pose);
-  void PublishTerrain(const TerrainMapPtr& map);
   template <typename Message>
   void Send(const std::string& channel, const Message& message);
   template <typename Messages>
@@ -47,11 +49,12 @@ class TerrainPublisher {
   const std::chrono::nanoseconds snapshot_period_;
   /// Map ids count from the start of the daemon; this makes them differ from those of an earlier one.
   const std::int64_t first_map_id_;
+  std::mutex pose_mutex_;  // of the pose's channels
   mutable std::mutex mutex_;
   std::optional<Timestamp> t_pose_;
   TerrainMapPtr sent_;
   Timestamp t_snapshot_;
-  std::int64_t num_failures_ = 0;
+  std::atomic<std::int64_t> num_failures_{0};
 };
 
 }  // namespace terrace
