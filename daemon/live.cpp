@@ -26,7 +26,6 @@
 #include "daemon/terrain_publisher.h"
 #include "daemon/threaded_pipeline.h"
 #include "datasets/euroc.h"
-#include "lcmtypes/codec.h"
 
 namespace terrace {
 namespace {
@@ -90,6 +89,15 @@ class LiveMapper {
   Pipeline& pipeline() { return pipeline_; }
   TerrainPublisher& publisher() { return publisher_; }
   std::int64_t num_dropped() const { return threads_.num_dropped(); }
+  /// What is known of the map, and of what waits or was dropped on the way to it.
+  void Describe(Status* status) const {
+    publisher_.Describe(status);
+    for (StageStatus& stage : status->stages) {
+      if (stage.name != "rectify") continue;
+      stage.num_dropped = threads_.num_dropped();
+      stage.queue_depth = static_cast<int>(threads_.queue_depth());
+    }
+  }
 
  private:
   void TakeResult(const FrameResult& result) {
@@ -126,11 +134,16 @@ class LiveNode {
       : options_(options),
         config_(config),
         lcm_(config.live.url),
-        reporter_(InputSource::kLive, ConfigHash(config), config.live.deadline_ms) {
+        reporter_(&lcm_, config.channels.status, InputSource::kLive, ConfigHash(config),
+                  config.live.deadline_ms) {
     if (!lcm_.good()) throw std::runtime_error("lcm.url = " + config.live.url + ": cannot be opened");
     if (!options.output.empty()) PrepareOutputFolder(options.output, options.overwrite);
-    input_.emplace(&lcm_, config.channels, config.live, CalibrationFrom(config.live.calibration_folder),
-                   [this](const command_v1_t& command) { Answer(command); });
+    input_.emplace(
+        &lcm_, config.channels, config.live, CalibrationFrom(config.live.calibration_folder),
+        [this](const command_v1_t& command) { Answer(command); },
+        [this](const terrain_repair_v1_t& repair) {
+          if (mapper_) mapper_->publisher().Answer(repair);
+        });
     spdlog::info("live on {}", config.live.url);
   }
 
@@ -144,6 +157,7 @@ class LiveNode {
       while (std::optional<SensorFrame> frame = input_->NextReady()) {
         if (!Push(std::move(*frame))) break;
       }
+      if (mapper_) mapper_->publisher().Tick();
       ReportEverySecond();
     }
     Finish();
@@ -195,6 +209,8 @@ class LiveNode {
 
   void Report(DaemonState state) {
     Status status = reporter_.Take(state, mapper_ ? &mapper_->pipeline().meters() : nullptr);
+    if (mapper_) mapper_->Describe(&status);
+    status.inputs = input_->TakeInputs();
     status.num_bad_frames = input_->num_bad_frames();
     status.num_decode_errors = input_->num_decode_errors();
     status.num_time_jumps = input_->num_time_jumps();
@@ -204,13 +220,22 @@ class LiveNode {
                                       (mapper_ ? mapper_->num_dropped() : 0);
     if (status.state == DaemonState::kRunning && num_troubles > num_troubles_) {
       status.state = DaemonState::kDegraded;
-      if (status.reason.empty()) status.reason = "input was lost, late, damaged or dropped; see the counters";
+      if (status.reason.empty()) {
+        status.reason = "input was lost, late, damaged or dropped; see the counters";
+        status.reason_code = ReasonCode::kInputTrouble;
+      }
     }
     num_troubles_ = num_troubles;
-    if (status.state == DaemonState::kNoCalibration) status.reason = SayThatCalibrationIsMissing();
-    if (status.state == DaemonState::kNoInput) status.reason = "no images on " + config_.channels.images;
-    const status_v1_t message = ToMessage(status);
-    lcm_.publish(config_.channels.status, &message);
+    if (status.state == DaemonState::kNoCalibration) {
+      status.reason = SayThatCalibrationIsMissing();
+      status.reason_code =
+          input_->calibration_problem().empty() ? ReasonCode::kNoCalibration : ReasonCode::kBadCalibration;
+    }
+    if (status.state == DaemonState::kNoInput) {
+      status.reason = "no images on " + config_.channels.images;
+      status.reason_code = ReasonCode::kNoImages;
+    }
+    reporter_.Send(status);
   }
 
   std::string SayThatCalibrationIsMissing() {

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "daemon/version.h"
+#include "lcmtypes/status_codec.h"
 
 namespace terrace {
 namespace {
@@ -41,8 +42,11 @@ double DenseRatio(const DisparityImage& disparity) {
 
 }  // namespace
 
-StatusReporter::StatusReporter(InputSource source, std::string config_hash, double deadline_ms)
-    : config_hash_(std::move(config_hash)),
+StatusReporter::StatusReporter(lcm::LCM* lcm, std::string channel, InputSource source,
+                               std::string config_hash, double deadline_ms)
+    : lcm_(lcm),
+      channel_(std::move(channel)),
+      config_hash_(std::move(config_hash)),
       source_(source),
       deadline_ms_(deadline_ms),
       start_(Clock::now()),
@@ -88,6 +92,10 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
   status.num_lost = num_lost_;
   status.tracking = last_.pose.status;
   status.reason = last_.pose.reason;
+  status.reason_code = last_.pose.reason_code;
+  if (!status.reason.empty() && status.reason_code == ReasonCode::kNone)
+    status.reason_code = ReasonCode::kOther;
+  status.epoch = last_.pose.epoch;
   status.num_matches = last_.pose.num_matches;
   status.num_inliers = last_.pose.num_inliers;
   status.rms_px = last_.pose.rms_px;
@@ -112,6 +120,11 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
   num_in_ = num_out_ = 0;
   ages_ms_.clear();
   return status;
+}
+
+void StatusReporter::Send(const Status& status) {
+  const status_v1_t message = ToMessage(status);
+  lcm_->publish(channel_, &message);
 }
 
 }  // namespace terrace
