@@ -212,11 +212,11 @@ void ResultWriter::AddFrame(const FrameResult& result, std::optional<double> lat
                      {"reason", pose.reason},
                      {"covariance", covariance},
                      {"latency_ms", OrNull(latency_ms)},
-                     {"map_cells", result.map_cells},
-                     {"regions", result.map->regions.size()},
+                     {"map_cells", result.change.map_cells},
+                     {"regions", result.change.map->regions.size()},
                      {"epoch", pose.epoch}};
   frames_ << line.dump() << '\n';
-  AddStaircases(*result.map);
+  AddStaircases(*result.change.map);
   if (save_disparity_every_ > 0 && num_frames_ % save_disparity_every_ == 0 && result.disparity) {
     WriteDisparity(*result.disparity);
   }
@@ -225,9 +225,9 @@ void ResultWriter::AddFrame(const FrameResult& result, std::optional<double> lat
   num_tracking_ += pose.status == TrackingStatus::kTracking;
   num_bridging_ += pose.status == TrackingStatus::kBridging;
   num_lost_ += lost;
-  map_cells_ = result.map_cells;
-  map_bytes_ = result.map_bytes;
-  map_ = result.map;
+  map_cells_ = result.change.map_cells;
+  map_bytes_ = result.change.map_bytes;
+  map_ = result.change.map;
 }
 
 void ResultWriter::AddStaircases(const TerrainMap& map) {

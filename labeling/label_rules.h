@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "core/terrain_map.h"
+#include "labeling/labeling_config.h"
 #include "labeling/plan_index.h"
+#include "labeling/region_shape.h"
 #include "labeling/step_graph.h"
-#include "labeling/surface.h"
-#include "labeling/terrain_labeler.h"
 
 namespace terrace {
 
@@ -19,9 +19,9 @@ enum class TopView {
   kOutOfView,  ///< it ends where the view ended
 };
 
-/// What the rules know about the surfaces of one map; all vectors run in parallel.
+/// What the rules know about the shapes of one map; all vectors run in parallel.
 struct Scene {
-  const std::vector<SurfacePtr>& surfaces;
+  const std::vector<RegionShapePtr>& shapes;
   const StepGraph& graph;
   const std::vector<bool>& reachable;
   const std::vector<TopView>& tops;
@@ -36,7 +36,7 @@ struct Verdict {
 
 /// True when two supports are at one height across a gap, and what lies between them was not seen to be
 /// lower.
-bool GroundGoesOn(const Surface& a, const Surface& b, const std::vector<SurfacePtr>& surfaces,
+bool GroundGoesOn(const RegionShape& a, const RegionShape& b, const std::vector<RegionShapePtr>& shapes,
                   const LabelingConfig& config);
 
 /// The meaning of the labels in DESIGN.md as rules, for everything but staircases.
@@ -52,7 +52,7 @@ class LabelRules {
     bool ground_known = false;
     bool has_top = false;  ///< a level piece begins at its upper edge
   };
-  bool Level(const Surface& surface) const;
+  bool Level(const RegionShape& shape) const;
   std::vector<bool> PartOfLargeGround() const;
   std::optional<double> GroundHeight(const Eigen::Vector2d& p, double max_z, int except) const;
   Face MeasureFace(int i) const;

@@ -2,6 +2,8 @@
 #include "lcmtypes/calibration_codec.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdio>
 #include <iterator>
 #include <span>
@@ -12,8 +14,9 @@
 namespace terrace {
 namespace {
 
-constexpr const char* kRadialTangential = "pinhole-radtan";
-constexpr const char* kEquidistant = "pinhole-equidistant";
+/// Names of the lens models in messages, by DistortionModel.
+constexpr std::array kModelNames = {"pinhole-radtan",   "pinhole-equidistant", "omni",      "double-sphere",
+                                    "extended-unified", "field-of-view",       "polynomial"};
 
 /// A number that changes when the bytes do (FNV-1a), in hexadecimal.
 std::string ContentHash(std::span<const std::uint8_t> bytes) {
@@ -50,7 +53,7 @@ calibration_v1_t ToMessage(const StereoCalibration& calibration, Timestamp t) {
   message.dist.resize(2);
   WriteCamera(calibration.left, num_distortion, message.K[0], &message.dist[0]);
   WriteCamera(calibration.right, num_distortion, message.K[1], &message.dist[1]);
-  message.model = calibration.left.model == DistortionModel::kEquidistant ? kEquidistant : kRadialTangential;
+  message.model = kModelNames.at(static_cast<std::size_t>(calibration.left.model));
   for (int i = 0; i < 9; ++i) message.R_right_left[i] = calibration.T_rawright_rawleft.linear()(i / 3, i % 3);
   WriteVector(calibration.T_rawright_rawleft.translation(), message.t_right_left);
   if (calibration.T_body_rawleft) {
@@ -74,12 +77,9 @@ calibration_v1_t ToMessage(const StereoCalibration& calibration, Timestamp t) {
 
 std::optional<StereoCalibration> FromMessage(const calibration_v1_t& message) {
   StereoCalibration calibration;
-  DistortionModel model = DistortionModel::kRadialTangential;
-  if (message.model == kEquidistant) {
-    model = DistortionModel::kEquidistant;
-  } else if (message.model != kRadialTangential) {
-    return std::nullopt;
-  }
+  const auto name = std::find(kModelNames.begin(), kModelNames.end(), message.model);
+  if (name == kModelNames.end()) return std::nullopt;
+  const auto model = static_cast<DistortionModel>(name - kModelNames.begin());
   calibration.name = message.name;
   calibration.width = message.width;
   calibration.height = message.height;

@@ -51,7 +51,7 @@ class ResultWriterTest : public testing::Test {
     region->outline_world = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     region->area_m2 = 1.0;
     map->regions.push_back(region);
-    result.map = map;
+    result.change.map = map;
     return result;
   }
 
@@ -122,9 +122,9 @@ TEST_F(ResultWriterTest, AStaircaseHasALineOnlyWhenItAppearsOrChanges) {
   ResultWriter writer(dir_, Rig(), 0);
   const auto add = [&](std::int64_t ns, double riser_m) {
     FrameResult result = Frame(ns, TrackingStatus::kTracking);
-    auto map = std::make_shared<TerrainMap>(*result.map);
+    auto map = std::make_shared<TerrainMap>(*result.change.map);
     map->staircases.push_back({.id = 3, .num_risers = 6, .num_treads = 5, .riser_m = riser_m});
-    result.map = map;
+    result.change.map = map;
     writer.AddFrame(result, {});
   };
   add(1, 0.17);

@@ -235,6 +235,17 @@ TEST(CodecTest, CarriesCalibrationsExactly) {
   EXPECT_EQ(back->imu_noise.accel_walk, calibration.imu_noise.accel_walk);
 }
 
+TEST(CodecTest, CarriesEveryLensModel) {
+  for (int i = 0; i <= static_cast<int>(DistortionModel::kPolynomial); ++i) {
+    StereoCalibration calibration;
+    calibration.left = calibration.right = {400, 401, 320, 240, static_cast<DistortionModel>(i), {0.1, 0.2}};
+    const auto back = FromMessage(ToMessage(calibration, {0}));
+    ASSERT_TRUE(back) << i;
+    EXPECT_EQ(back->left.model, calibration.left.model);
+    EXPECT_EQ(back->right.distortion, calibration.right.distortion);
+  }
+}
+
 TEST(CodecTest, ChangesTheHashOfACalibrationWithItsContentAlone) {
   StereoCalibration calibration;
   const std::string hash = ToMessage(calibration, {0}).content_hash;
