@@ -21,7 +21,6 @@
 #include "daemon/status_reporter.h"
 #include "daemon/terrain_publisher.h"
 #include "datasets/euroc.h"
-#include "lcmtypes/codec.h"
 
 namespace terrace {
 namespace {
@@ -55,14 +54,19 @@ class LiveNode {
       : options_(options),
         config_(config),
         lcm_(config.live.url),
-        reporter_(InputSource::kLive, ConfigHash(config), config.live.deadline_ms),
+        reporter_(&lcm_, config.channels.status, InputSource::kLive, ConfigHash(config),
+                  config.live.deadline_ms),
         obeyer_(
             config.live.save_folder.empty() ? options.output : std::filesystem::path(config.live.save_folder),
             Actions()) {
     if (!lcm_.good()) throw std::runtime_error("lcm.url = " + config.live.url + ": cannot be opened");
     if (!options.output.empty()) PrepareOutputFolder(options.output, options.overwrite);
-    input_.emplace(&lcm_, config.channels, config.live, CalibrationFrom(config.live.calibration_folder),
-                   [this](const command_v1_t& command) { Answer(command); });
+    input_.emplace(
+        &lcm_, config.channels, config.live, CalibrationFrom(config.live.calibration_folder),
+        [this](const command_v1_t& command) { Answer(command); },
+        [this](const terrain_repair_v1_t& repair) {
+          if (mapper_) mapper_->publisher.Answer(repair);
+        });
     spdlog::info("live on {}", config.live.url);
   }
 
@@ -74,6 +78,7 @@ class LiveNode {
         throw std::runtime_error(config_.live.url + ": LCM has failed");
       if (!mapper_ && input_->calibration()) StartMapper();
       while (std::optional<SensorFrame> frame = input_->NextReady()) Push(std::move(*frame));
+      if (mapper_) mapper_->publisher.Tick();
       ReportEverySecond();
     }
     Finish();
@@ -124,6 +129,8 @@ class LiveNode {
 
   void Report(DaemonState state) {
     Status status = reporter_.Take(state, mapper_ ? &mapper_->run.pipeline().meters() : nullptr);
+    if (mapper_) mapper_->publisher.Describe(&status);
+    status.inputs = input_->TakeInputs();
     status.num_bad_frames = input_->num_bad_frames();
     status.num_decode_errors = input_->num_decode_errors();
     status.num_time_jumps = input_->num_time_jumps();
@@ -135,13 +142,22 @@ class LiveNode {
                                       status.num_time_jumps + status.num_imu_gaps + counts.num_dropped;
     if (status.state == DaemonState::kRunning && num_troubles > num_troubles_) {
       status.state = DaemonState::kDegraded;
-      if (status.reason.empty()) status.reason = "input was lost, late, damaged or dropped; see the counters";
+      if (status.reason.empty()) {
+        status.reason = "input was lost, late, damaged or dropped; see the counters";
+        status.reason_code = ReasonCode::kInputTrouble;
+      }
     }
     num_troubles_ = num_troubles;
-    if (status.state == DaemonState::kNoCalibration) status.reason = SayThatCalibrationIsMissing();
-    if (status.state == DaemonState::kNoInput) status.reason = "no images on " + config_.channels.images;
-    const status_v1_t message = ToMessage(status);
-    lcm_.publish(config_.channels.status, &message);
+    if (status.state == DaemonState::kNoCalibration) {
+      status.reason = SayThatCalibrationIsMissing();
+      status.reason_code =
+          input_->calibration_problem().empty() ? ReasonCode::kNoCalibration : ReasonCode::kBadCalibration;
+    }
+    if (status.state == DaemonState::kNoInput) {
+      status.reason = "no images on " + config_.channels.images;
+      status.reason_code = ReasonCode::kNoImages;
+    }
+    reporter_.Send(status);
   }
 
   static void SetFlow(const FlowCounts& counts, Status* status) {

@@ -12,6 +12,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
+#include <terrace/terrain_repair_v1_t.hpp>
 
 #include "daemon/interrupt.h"
 #include "daemon/mapper_run.h"
@@ -19,6 +20,8 @@
 #include "daemon/status_reporter.h"
 #include "daemon/terrain_publisher.h"
 #include "datasets/sequence.h"
+#include "lcmtypes/safe_decode.h"
+#include "lcmtypes/subscribe.h"
 
 namespace terrace {
 namespace {
@@ -60,15 +63,18 @@ class SequenceSource {
   const SteadyClock::time_point start_ = SteadyClock::now();
 };
 
-/// Publishes a replay as the live daemon would: every frame, and a status once a second.
+/// Publishes a replay as the live daemon would: every frame, a status once a second, and what subscribers
+/// lack.
 class ReplayPublisher : public FrameSink {
  public:
   ReplayPublisher(const std::string& url, const Config& config, Pipeline* pipeline)
       : pipeline_(pipeline),
         lcm_(url),
         publisher_(&lcm_, config.channels, pipeline->T_body_left(), config.live.snapshot_period_s),
-        reporter_(InputSource::kReplay, ConfigHash(config), config.live.deadline_ms) {
+        reporter_(&lcm_, config.channels.status, InputSource::kReplay, ConfigHash(config),
+                  config.live.deadline_ms) {
     if (!lcm_.good()) throw std::runtime_error("--publish " + url + ": cannot be opened");
+    Subscribe<&ReplayPublisher::OnRepair>(&lcm_, config.channels.repair, this);
   }
 
   void AddPose(const PoseEstimate& pose) override {
@@ -79,24 +85,54 @@ class ReplayPublisher : public FrameSink {
 
   void AddFrame(const FrameResult& result) override {
     publisher_.PublishTerrain(result.change.map);
+    HandleAll();
     reporter_.AddResult(result);
     if (SteadyClock::now() < status_due_) return;
     status_due_ = SteadyClock::now() + std::chrono::seconds(1);
-    publisher_.Publish(reporter_.Take(DaemonState::kRunning, &pipeline_->meters()));
+    Report(DaemonState::kRunning);
   }
 
-  /// For subscribers that missed the last change.
+  /// Stays until nobody has lacked anything for a while.
   void Finish(const RunTotals&) override {
+    constexpr std::chrono::milliseconds kQuiet(250);
+    constexpr std::chrono::seconds kPatience(5);
     publisher_.SendSnapshot();
-    publisher_.Publish(reporter_.Take(DaemonState::kStopping, &pipeline_->meters()));
+    const auto end = SteadyClock::now() + kPatience;
+    t_repair_ = SteadyClock::now();
+    while (!Interrupted() && SteadyClock::now() < end &&
+           (publisher_.sending_snapshot() || SteadyClock::now() - t_repair_ < kQuiet)) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      HandleAll();
+      publisher_.Tick();
+    }
+    Report(DaemonState::kStopping);
   }
 
  private:
+  void HandleAll() {
+    while (lcm_.handleTimeout(0) > 0) {
+    }
+  }
+
+  void OnRepair(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    const auto repair = SafeDecode<terrain_repair_v1_t>(buffer->data, buffer->data_size);
+    if (!repair) return;
+    publisher_.Answer(*repair);
+    t_repair_ = SteadyClock::now();
+  }
+
+  void Report(DaemonState state) {
+    Status status = reporter_.Take(state, &pipeline_->meters());
+    publisher_.Describe(&status);
+    reporter_.Send(status);
+  }
+
   Pipeline* const pipeline_;
   lcm::LCM lcm_;
   TerrainPublisher publisher_;
   StatusReporter reporter_;
   SteadyClock::time_point status_due_;
+  SteadyClock::time_point t_repair_;
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "daemon/version.h"
+#include "lcmtypes/status_codec.h"
 
 namespace terrace {
 namespace {
@@ -50,8 +51,11 @@ double DenseRatio(const DisparityImage& disparity) {
 
 }  // namespace
 
-StatusReporter::StatusReporter(InputSource source, std::string config_hash, double deadline_ms)
-    : config_hash_(std::move(config_hash)),
+StatusReporter::StatusReporter(lcm::LCM* lcm, std::string channel, InputSource source,
+                               std::string config_hash, double deadline_ms)
+    : lcm_(lcm),
+      channel_(std::move(channel)),
+      config_hash_(std::move(config_hash)),
       source_(source),
       deadline_ms_(deadline_ms),
       start_(Clock::now()),
@@ -103,6 +107,10 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
   status.num_lost = num_lost_;
   status.tracking = last_pose_.status;
   status.reason = last_pose_.reason;
+  status.reason_code = last_pose_.reason_code;
+  if (!status.reason.empty() && status.reason_code == ReasonCode::kNone)
+    status.reason_code = ReasonCode::kOther;
+  status.epoch = last_pose_.epoch;
   status.num_matches = last_pose_.num_matches;
   status.num_inliers = last_pose_.num_inliers;
   status.rms_px = last_pose_.rms_px;
@@ -127,6 +135,11 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
   num_in_ = num_out_ = 0;
   ages_ms_.clear();
   return status;
+}
+
+void StatusReporter::Send(const Status& status) {
+  const status_v1_t message = ToMessage(status);
+  lcm_->publish(channel_, &message);
 }
 
 }  // namespace terrace

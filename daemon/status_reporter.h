@@ -7,15 +7,19 @@
 #include <string>
 #include <vector>
 
+#include <lcm/lcm-cpp.hpp>
+
 #include "core/status.h"
 #include "daemon/pipeline.h"
 
 namespace terrace {
 
-/// Sums up what the daemon says about itself, window by window. Every function may be called from any thread.
+/// Sums up what the daemon says about itself, window by window, and sends it. Every function may be called
+/// from any thread. `lcm` must outlive it.
 class StatusReporter {
  public:
-  StatusReporter(InputSource source, std::string config_hash, double deadline_ms);
+  StatusReporter(lcm::LCM* lcm, std::string channel, InputSource source, std::string config_hash,
+                 double deadline_ms);
 
   void AddFrameIn();
   void AddPose(const PoseEstimate& pose);
@@ -25,8 +29,11 @@ class StatusReporter {
   /// The status over the window since the last call, but for what only the input knows. Tracking trouble,
   /// when there is any, makes a running daemon a degraded one.
   Status Take(DaemonState state, StageMeters* meters);
+  void Send(const Status& status);
 
  private:
+  lcm::LCM* const lcm_;
+  const std::string channel_;
   const std::string config_hash_;
   const InputSource source_;
   const double deadline_ms_;
