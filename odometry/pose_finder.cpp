@@ -257,9 +257,13 @@ bool PoseFinder::FollowsStrangers(const Found& found, const Expectation& expecte
   return !expected.measured && found.num_known_tried >= kEnoughKnown && of_known < kMuchLess * of_all;
 }
 
-/// With an IMU the turn is known and the step nearly so: half as many will do.
+/// With an IMU the turn is known and the step nearly so: half as many will do. Places look alike: who is lost
+/// needs twice as many.
 bool PoseFinder::Enough(const Found& found, const Expectation& expected) const {
-  return found.solution.num_inliers >= (expected.measured ? (min_inliers_ + 1) / 2 : min_inliers_);
+  const int enough = expected.lost       ? 2 * min_inliers_
+                     : expected.measured ? (min_inliers_ + 1) / 2
+                                         : min_inliers_;
+  return found.solution.num_inliers >= enough;
 }
 
 PoseFinder::Found PoseFinder::Solve(const Window& window, Matches matches, const PosePrior& prior,

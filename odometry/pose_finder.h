@@ -20,6 +20,8 @@ struct Expectation {
   PosePrior prior;
   /// Measured (by an IMU), not only presumed: the prior then has a say in the pose.
   bool measured = false;
+  /// Nothing is known: then it takes more to be believed.
+  bool lost = false;
   double vertical_px = 0.0;  ///< how much lower the right image is known to be
   std::uint32_t seed = 0;
 };
