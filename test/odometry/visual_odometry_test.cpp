@@ -122,6 +122,36 @@ TEST(VisualOdometryTest, StandsStillUnderNoiseAndChangingExposure) {
   }
 }
 
+/// Rows are read out one after the other while the hand trembles: each lies a little aside.
+void ShakeRows(StereoFrame& frame) {
+  for (cv::Mat1b* image : {&frame.left, &frame.right}) {
+    cv::Mat1f u(image->size()), v(image->size());
+    for (int row = 0; row < image->rows; ++row) {
+      const double aside = 0.7 * std::sin(0.06 * row + 2.1 * static_cast<double>(frame.frame_id));
+      for (int column = 0; column < image->cols; ++column) {
+        u(row, column) = static_cast<float>(column + aside);
+        v(row, column) = static_cast<float>(row);
+      }
+    }
+    cv::Mat1b shaken;
+    cv::remap(*image, shaken, u, v, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    *image = shaken;
+  }
+}
+
+TEST(VisualOdometryTest, FollowsAWalkSeenThroughARollingShutter) {
+  VisualOdometry odometry({}, kCamera, {});
+  PoseEstimate first;
+  for (int i = 0; i < 12; ++i) {
+    StereoFrame frame = World().Frame(i, Walk(i));
+    ShakeRows(frame);
+    const PoseEstimate pose = odometry.Track(frame, {});
+    if (i == 0) first = pose;
+    ASSERT_EQ(pose.status, TrackingStatus::kTracking) << "frame " << i << ": " << pose.reason;
+    EXPECT_LT(ErrorMm(first, pose, i), 15.0) << "frame " << i;
+  }
+}
+
 TEST(VisualOdometryTest, GivesTheSameBitsForAnyNumberOfThreads) {
   std::vector<Eigen::Matrix4d> poses[2];
   for (int run = 0; run < 2; ++run) {
