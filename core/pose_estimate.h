@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "core/geometry.h"
+#include "core/reason_code.h"
 #include "core/time.h"
 
 namespace terrace {
@@ -28,6 +29,7 @@ struct PoseEstimate {
   bool trusted = false;
   /// Why bridging or lost; while tracking, why the pose is in doubt. Empty when all is well.
   std::string reason;
+  ReasonCode reason_code = ReasonCode::kNone;  ///< the same for programs
   /// How often the world has begun anew. Poses of different epochs have nothing to do with each other: each
   /// has its own first pose, and the covariance is against that.
   int epoch = 0;
