@@ -14,7 +14,7 @@ constexpr double kMaxRegion_m2 = 1.6e5;
 std::vector<MapRegion> MoveRegions(const TerrainMap& map, const Eigen::Isometry3d& T_true_result) {
   std::vector<MapRegion> regions;
   for (const auto& region : map.regions) {
-    if (region->predicted) continue;
+    if (region->predicted()) continue;
     std::vector<Ring> holes;
     for (const Ring& hole : region->holes_world) holes.push_back(Moved(T_true_result, hole));
     regions.push_back({region.get(),

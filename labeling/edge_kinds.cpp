@@ -18,7 +18,7 @@ bool Near(const Eigen::AlignedBox3d& bounds, const Eigen::Vector3d& p) {
 }
 
 /// The nearest height span of an upright face beside p; none when it is too far away.
-const FaceColumn* ColumnBeside(const Surface& face, const Eigen::Vector3d& p) {
+const FaceColumn* ColumnBeside(const RegionShape& face, const Eigen::Vector3d& p) {
   const double along = face.face_axis.dot(p.head<2>());
   const auto after = std::lower_bound(face.columns.begin(), face.columns.end(), along,
                                       [](const FaceColumn& c, double a) { return c.along_m < a; });
@@ -33,7 +33,7 @@ const FaceColumn* ColumnBeside(const Surface& face, const Eigen::Vector3d& p) {
   return across <= kEdgeReach ? nearest : nullptr;
 }
 
-EdgeKind KindBeside(const Surface& other, const Eigen::Vector3d& p) {
+EdgeKind KindBeside(const RegionShape& other, const Eigen::Vector3d& p) {
   if (!Near(other.bounds, p)) return EdgeKind::kLimitOfView;
   if (other.lean == Lean::kUpright) {
     const FaceColumn* column = ColumnBeside(other, p);
@@ -73,7 +73,7 @@ EdgeKind Stronger(EdgeKind a, EdgeKind b) {
 }
 
 /// Upright faces only say where they go on: drop and rise are words of the ground.
-EdgeKind KindOfFaceEdge(const Surface& other, const Eigen::Vector3d& p) {
+EdgeKind KindOfFaceEdge(const RegionShape& other, const Eigen::Vector3d& p) {
   if (!Near(other.bounds, p)) return EdgeKind::kLimitOfView;
   if (other.lean == Lean::kUpright) {
     const FaceColumn* column = ColumnBeside(other, p);
@@ -90,31 +90,31 @@ EdgeKind KindOfFaceEdge(const Surface& other, const Eigen::Vector3d& p) {
 
 }  // namespace
 
-std::vector<EdgeKind> EdgeKindsOf(int i, const std::vector<SurfacePtr>& surfaces,
-                                  const Eigen::Matrix3d& R_level_world) {
-  const Surface& self = *surfaces[i];
+std::vector<RegionEdge> EdgeKindsOf(int i, const std::vector<RegionShapePtr>& shapes,
+                                    const Eigen::Matrix3d& R_level_world) {
+  const RegionShape& self = *shapes[i];
   const Eigen::Vector3d reach(kEdgeReach, kEdgeReach, 3.0 * kEdgeReach);
   const Eigen::AlignedBox3d wide(self.bounds.min() - reach, self.bounds.max() + reach);
-  std::vector<const Surface*> others;
-  for (int j = 0; j < static_cast<int>(surfaces.size()); ++j)
-    if (j != i && wide.intersects(surfaces[j]->bounds)) others.push_back(surfaces[j].get());
+  std::vector<const RegionShape*> others;
+  for (int j = 0; j < static_cast<int>(shapes.size()); ++j)
+    if (j != i && wide.intersects(shapes[j]->bounds)) others.push_back(shapes[j].get());
 
-  std::vector<EdgeKind> kinds;
+  std::vector<RegionEdge> edges;
   const auto add = [&](const Ring& ring) {
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const Eigen::Vector3d p = R_level_world * (0.5 * (ring[k] + ring[(k + 1) % ring.size()]));
       EdgeKind kind = EdgeKind::kLimitOfView;
-      for (const Surface* other : others) {
+      for (const RegionShape* other : others) {
         if (kind == EdgeKind::kRise) break;  // nothing is stronger
         kind =
             Stronger(kind, self.lean == Lean::kSupport ? KindBeside(*other, p) : KindOfFaceEdge(*other, p));
       }
-      kinds.push_back(kind);
+      edges.push_back({kind, {}, {}});
     }
   };
   add(self.polygon->outline_world);
   for (const Ring& hole : self.polygon->holes_world) add(hole);
-  return kinds;
+  return edges;
 }
 
 }  // namespace terrace

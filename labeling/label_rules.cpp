@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/angles.h"
+#include "labeling/slope_evidence.h"
 
 namespace terrace {
 namespace {
@@ -17,14 +18,14 @@ double ChancePositive(double mean, double sigma) {
 }
 
 /// Evidence from few looks is worth less.
-double Seasoned(double confidence, const Surface& surface) {
+double Seasoned(double confidence, const RegionShape& shape) {
   constexpr double kLooks = 3.0;
-  return confidence * (1.0 - 0.4 * std::exp(-surface.polygon->num_observations / kLooks));
+  return confidence * (1.0 - 0.4 * std::exp(-shape.polygon->num_observations / kLooks));
 }
 
 }  // namespace
 
-bool GroundGoesOn(const Surface& a, const Surface& b, const std::vector<SurfacePtr>& surfaces,
+bool GroundGoesOn(const RegionShape& a, const RegionShape& b, const std::vector<RegionShapePtr>& shapes,
                   const LabelingConfig& config) {
   const Eigen::Vector3d reach(config.max_unseen_gap_m, config.max_unseen_gap_m, config.max_joint_height_m);
   if (!Eigen::AlignedBox3d(a.bounds.min() - reach, a.bounds.max() + reach).intersects(b.bounds)) return false;
@@ -35,7 +36,7 @@ bool GroundGoesOn(const Surface& a, const Surface& b, const std::vector<SurfaceP
     if (b.PlanDistance(p, &q) > config.max_unseen_gap_m) continue;
     if (std::abs(z - b.HeightAt(q)) > 2.0 * config.max_joint_height_m) continue;
     const Eigen::Vector2d middle = 0.5 * (p + q);
-    const bool lower_between = std::any_of(surfaces.begin(), surfaces.end(), [&](const SurfacePtr& s) {
+    const bool lower_between = std::any_of(shapes.begin(), shapes.end(), [&](const RegionShapePtr& s) {
       if (s.get() == &a || s.get() == &b || s->lean != Lean::kSupport) return false;
       return s->HeightAt(middle) < z - config.max_joint_height_m &&
              s->PlanDistance(middle) < config.max_joint_gap_m;
@@ -45,47 +46,52 @@ bool GroundGoesOn(const Surface& a, const Surface& b, const std::vector<SurfaceP
   return false;
 }
 
-LabelRules::LabelRules(const LabelingConfig& config, const RobotConfig& robot, const Scene& scene)
-    : config_(config), robot_(robot), scene_(scene), index_(scene.surfaces, config.ground_search_m) {}
+LabelRules::LabelRules(const LabelingConfig& config, const StaircaseConfig& stairs, const RobotConfig& robot,
+                       const Scene& scene)
+    : config_(config),
+      stairs_(stairs),
+      robot_(robot),
+      scene_(scene),
+      index_(scene.shapes, config.ground_search_m) {}
 
-bool LabelRules::Level(const Surface& surface) const {
-  if (surface.lean != Lean::kSupport) return false;
-  if (surface.slope_rad <= Radians(robot_.max_walkway_slope_deg)) return true;
+bool LabelRules::Level(const RegionShape& shape) const {
+  if (shape.lean != Lean::kSupport) return false;
+  if (shape.slope_rad <= Radians(robot_.max_walkway_slope_deg)) return true;
   // A small piece that leans by a few centimetres is noise or uneven ground.
-  return surface.heights().length() < config_.min_ramp_rise_m;
+  return shape.heights().length() < config_.min_ramp_rise_m;
 }
 
 std::vector<bool> LabelRules::PartOfLargeGround() const {
   // Level pieces that join are one ground, and so are sloped ones; large when one of its pieces is, or when
   // together they are wide enough both ways.
-  const int n = static_cast<int>(scene_.surfaces.size());
+  const int n = static_cast<int>(scene_.shapes.size());
   const double edge = config_.min_walkway_edge_m;
   // The raster of LargestSquare has cells of a tenth.
   const double large_square = 0.9 * edge;
   std::vector<bool> large(n, false);
   std::vector<bool> done(n, false);
   for (int start = 0; start < n; ++start) {
-    if (done[start] || scene_.surfaces[start]->lean != Lean::kSupport) continue;
-    const bool level = Level(*scene_.surfaces[start]);
+    if (done[start] || scene_.shapes[start]->lean != Lean::kSupport) continue;
+    const bool level = Level(*scene_.shapes[start]);
     std::vector<int> pieces{start};
     done[start] = true;
     bool any_large = false;
     double area = 0.0;
     PlanRing corners;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
-      const Surface& s = *scene_.surfaces[pieces[k]];
+      const RegionShape& s = *scene_.shapes[pieces[k]];
       any_large |= s.largest_square_m >= large_square;
       area += s.area_m2;
       corners.insert(corners.end(), s.plan.front().begin(), s.plan.front().end());
       for (const auto& [j, link] : scene_.graph.neighbors()[pieces[k]]) {
-        if (link != Link::kJoins || done[j] || Level(*scene_.surfaces[j]) != level) continue;
+        if (link != Link::kJoins || done[j] || Level(*scene_.shapes[j]) != level) continue;
         done[j] = true;
         pieces.push_back(j);
       }
     }
     if (!any_large && pieces.size() > 1 && area >= edge * edge) {
-      const Interval x = Extent(corners, scene_.surfaces[start]->rectangle.long_axis);
-      const Interval y = Extent(corners, scene_.surfaces[start]->rectangle.short_axis());
+      const Interval x = Extent(corners, scene_.shapes[start]->rectangle.long_axis);
+      const Interval y = Extent(corners, scene_.shapes[start]->rectangle.short_axis());
       // Pieces with gaps between them must make up most of what they span.
       any_large = std::min(x.length(), y.length()) >= edge && area >= 0.7 * x.length() * y.length();
     }
@@ -98,7 +104,7 @@ std::optional<double> LabelRules::GroundHeight(const Eigen::Vector2d& p, double 
   double nearest = config_.ground_search_m;
   std::optional<double> height;
   for (const int j : index_.Near(p)) {
-    const Surface& s = *scene_.surfaces[j];
+    const RegionShape& s = *scene_.shapes[j];
     if (j == except || s.lean != Lean::kSupport || s.bounds.min().z() > max_z) continue;
     const Eigen::Vector2d outside = (s.bounds.min().head<2>() - p).cwiseMax(p - s.bounds.max().head<2>());
     if (outside.maxCoeff() > nearest) continue;
@@ -114,7 +120,7 @@ std::optional<double> LabelRules::GroundHeight(const Eigen::Vector2d& p, double 
 }
 
 LabelRules::Face LabelRules::MeasureFace(int i) const {
-  const Surface& face = *scene_.surfaces[i];
+  const RegionShape& face = *scene_.shapes[i];
   constexpr int kMaxSamples = 12;
   constexpr double kFootTolerance = 0.1;  // how far the seen foot may lie below the ground
   constexpr double kBeforeFace = 0.05;    // the ground is looked for on the side that was seen
@@ -138,7 +144,7 @@ LabelRules::Face LabelRules::MeasureFace(int i) const {
     const Eigen::Vector2d behind =
         face.FacePoint(column.along_m, column.top_m).head<2>() - kTopTolerance * face.front();
     for (const int j : index_.Near(behind)) {
-      const Surface& s = *scene_.surfaces[j];
+      const RegionShape& s = *scene_.shapes[j];
       if (s.lean != Lean::kSupport || s.bounds.max().z() < column.top_m - kTopTolerance ||
           s.bounds.min().z() > column.top_m + kTopTolerance)
         continue;
@@ -166,7 +172,7 @@ LabelRules::Face LabelRules::MeasureFace(int i) const {
 }
 
 Verdict LabelRules::DecideFace(int i) const {
-  const Surface& face = *scene_.surfaces[i];
+  const RegionShape& face = *scene_.shapes[i];
   if (face.area_m2 < config_.min_decided_area_m2 || face.columns.empty())
     return {TerrainLabel::kUnknown, 0.3};
   const Face measured = MeasureFace(i);
@@ -191,13 +197,13 @@ Verdict LabelRules::DecideFace(int i) const {
 bool LabelRules::ContinuesAWall(int i, const std::vector<Verdict>& verdicts) const {
   // Matching leaves holes in plain walls: what lies in the plane of a wall and near it is part of it, unless
   // something lies on top.
-  const Surface& face = *scene_.surfaces[i];
+  const RegionShape& face = *scene_.shapes[i];
   constexpr double kSameNormal = 0.985;  // 10 deg
   constexpr double kSamePlane = 0.10;    // far walls come in several layers
   const double max_gap = config_.ground_search_m;
   const Interval width = Extent(face.plan.front(), face.face_axis);
-  for (int j = 0; j < static_cast<int>(scene_.surfaces.size()); ++j) {
-    const Surface& wall = *scene_.surfaces[j];
+  for (int j = 0; j < static_cast<int>(scene_.shapes.size()); ++j) {
+    const RegionShape& wall = *scene_.shapes[j];
     if (verdicts[j].label != TerrainLabel::kWall || wall.area_m2 < face.area_m2) continue;
     if (face.plane.normal.dot(wall.plane.normal) < kSameNormal) continue;
     if (std::abs(wall.plane.SignedDistance(face.centroid)) > kSamePlane) continue;
@@ -207,9 +213,24 @@ bool LabelRules::ContinuesAWall(int i, const std::vector<Verdict>& verdicts) con
   return false;
 }
 
+/// An incline in which steps may hide, or that is no plane, is never told for sure.
+std::optional<Verdict> LabelRules::Undecided(const RegionShape& slope) const {
+  if (!CouldBeStairs(slope, stairs_)) return std::nullopt;
+  switch (JudgeSlope(slope, stairs_)) {
+    case SlopeEvidence::kPlane:
+      return std::nullopt;
+    case SlopeEvidence::kNotResolved:
+      return Verdict{TerrainLabel::kUnknown, 0.4, false, "inclined, not resolved"};
+    case SlopeEvidence::kNotPlane:
+      return Verdict{TerrainLabel::kUnknown, 0.4, false, "inclined, not a plane"};
+  }
+  return std::nullopt;
+}
+
 Verdict LabelRules::DecideSteep(int i) const {
-  const Surface& s = *scene_.surfaces[i];
+  const RegionShape& s = *scene_.shapes[i];
   if (s.area_m2 < 2.0 * config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3};
+  if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   constexpr double kFootTolerance = 0.1;
   const auto ground =
       GroundHeight(s.centroid.head<2>() + 0.5 * s.rectangle.depth_m * s.plane.normal.head<2>().normalized(),
@@ -221,7 +242,7 @@ Verdict LabelRules::DecideSteep(int i) const {
 }
 
 std::optional<double> LabelRules::HeightOverSurroundings(int i) const {
-  const Surface& s = *scene_.surfaces[i];
+  const RegionShape& s = *scene_.shapes[i];
   const double low_enough = config_.max_joint_height_m;
   std::optional<double> height;
   for (const Eigen::Vector2d& p : s.plan.front()) {
@@ -233,8 +254,9 @@ std::optional<double> LabelRules::HeightOverSurroundings(int i) const {
 }
 
 Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
-  const Surface& s = *scene_.surfaces[i];
+  const RegionShape& s = *scene_.shapes[i];
   const double level = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
+  if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   if (large[i] && scene_.reachable[i]) return {TerrainLabel::kWalkway, Seasoned(0.97 * level, s)};
   if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3};
   const std::optional<double> height = HeightOverSurroundings(i);
@@ -243,9 +265,9 @@ Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
     return {TerrainLabel::kObstacle, Seasoned(0.85 * level, s)};
   }
   // A scrap of the floor, cut off by something that hides the rest.
-  for (int j = 0; !height && j < static_cast<int>(scene_.surfaces.size()); ++j) {
-    if (!large[j] || !scene_.reachable[j] || !Level(*scene_.surfaces[j])) continue;
-    if (GroundGoesOn(s, *scene_.surfaces[j], scene_.surfaces, config_))
+  for (int j = 0; !height && j < static_cast<int>(scene_.shapes.size()); ++j) {
+    if (!large[j] || !scene_.reachable[j] || !Level(*scene_.shapes[j])) continue;
+    if (GroundGoesOn(s, *scene_.shapes[j], scene_.shapes, config_))
       return {TerrainLabel::kWalkway, Seasoned(0.7 * level, s)};
   }
   if (!scene_.reachable[i]) return {TerrainLabel::kLevel, Seasoned(0.6 * level, s)};
@@ -253,12 +275,11 @@ Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
 }
 
 Verdict LabelRules::DecideSlope(int i, bool large) const {
-  const Surface& s = *scene_.surfaces[i];
+  const RegionShape& s = *scene_.shapes[i];
   const double walkable = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
   const double sloped =
       ChancePositive(s.slope_rad - Radians(robot_.max_walkway_slope_deg), s.slope_sigma_rad);
-  // Far away the treads of a staircase blur to a slope.
-  if (scene_.nearest_view_m[i] > config_.max_resolving_distance_m) return {TerrainLabel::kUnknown, 0.4};
+  if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   if (large && scene_.reachable[i]) return {TerrainLabel::kRamp, Seasoned(0.95 * walkable * sloped, s)};
   if (s.area_m2 < config_.min_decided_area_m2 || large) return {TerrainLabel::kUnknown, 0.3};
   return HeightOverSurroundings(i) ? Verdict{TerrainLabel::kObstacle, Seasoned(0.6, s)}
@@ -266,11 +287,11 @@ Verdict LabelRules::DecideSlope(int i, bool large) const {
 }
 
 std::vector<Verdict> LabelRules::Decide() const {
-  const int n = static_cast<int>(scene_.surfaces.size());
+  const int n = static_cast<int>(scene_.shapes.size());
   const std::vector<bool> large = PartOfLargeGround();
   std::vector<Verdict> verdicts(n);
   for (int i = 0; i < n; ++i) {
-    const Surface& s = *scene_.surfaces[i];
+    const RegionShape& s = *scene_.shapes[i];
     switch (s.lean) {
       case Lean::kSupport:
         verdicts[i] = Level(s) ? DecideLevel(i, large) : DecideSlope(i, large[i]);
@@ -288,9 +309,9 @@ std::vector<Verdict> LabelRules::Decide() const {
   }
   const std::vector<Verdict> first = verdicts;
   for (int i = 0; i < n; ++i) {
-    if (scene_.surfaces[i]->lean != Lean::kUpright || first[i].label == TerrainLabel::kWall) continue;
+    if (scene_.shapes[i]->lean != Lean::kUpright || first[i].label == TerrainLabel::kWall) continue;
     if (first[i].topped) continue;
-    if (ContinuesAWall(i, first)) verdicts[i] = {TerrainLabel::kWall, Seasoned(0.7, *scene_.surfaces[i])};
+    if (ContinuesAWall(i, first)) verdicts[i] = {TerrainLabel::kWall, Seasoned(0.7, *scene_.shapes[i])};
   }
   return verdicts;
 }

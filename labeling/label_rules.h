@@ -5,10 +5,11 @@
 #include <vector>
 
 #include "core/terrain_map.h"
+#include "labeling/labeling_config.h"
 #include "labeling/plan_index.h"
+#include "labeling/region_shape.h"
+#include "labeling/staircase_config.h"
 #include "labeling/step_graph.h"
-#include "labeling/surface.h"
-#include "labeling/terrain_labeler.h"
 
 namespace terrace {
 
@@ -19,9 +20,9 @@ enum class TopView {
   kOutOfView,  ///< it ends where the view ended
 };
 
-/// What the rules know about the surfaces of one map; all vectors run in parallel.
+/// What the rules know about the shapes of one map; all vectors run in parallel.
 struct Scene {
-  const std::vector<SurfacePtr>& surfaces;
+  const std::vector<RegionShapePtr>& shapes;
   const StepGraph& graph;
   const std::vector<bool>& reachable;
   const std::vector<TopView>& tops;
@@ -31,18 +32,20 @@ struct Scene {
 struct Verdict {
   TerrainLabel label = TerrainLabel::kUnknown;
   double confidence = 0.0;
-  bool topped = false;  ///< of a face: a level piece lies on its upper edge
+  bool topped = false;   ///< of a face: a level piece lies on its upper edge
+  const char* why = "";  ///< what keeps it undecided
 };
 
 /// True when two supports are at one height across a gap, and what lies between them was not seen to be
 /// lower.
-bool GroundGoesOn(const Surface& a, const Surface& b, const std::vector<SurfacePtr>& surfaces,
+bool GroundGoesOn(const RegionShape& a, const RegionShape& b, const std::vector<RegionShapePtr>& shapes,
                   const LabelingConfig& config);
 
 /// The meaning of the labels in DESIGN.md as rules, for everything but staircases.
 class LabelRules {
  public:
-  LabelRules(const LabelingConfig& config, const RobotConfig& robot, const Scene& scene);
+  LabelRules(const LabelingConfig& config, const StaircaseConfig& stairs, const RobotConfig& robot,
+             const Scene& scene);
 
   std::vector<Verdict> Decide() const;
 
@@ -52,7 +55,7 @@ class LabelRules {
     bool ground_known = false;
     bool has_top = false;  ///< a level piece begins at its upper edge
   };
-  bool Level(const Surface& surface) const;
+  bool Level(const RegionShape& shape) const;
   std::vector<bool> PartOfLargeGround() const;
   std::optional<double> GroundHeight(const Eigen::Vector2d& p, double max_z, int except) const;
   Face MeasureFace(int i) const;
@@ -62,8 +65,10 @@ class LabelRules {
   Verdict DecideSteep(int i) const;
   Verdict DecideLevel(int i, const std::vector<bool>& large) const;
   Verdict DecideSlope(int i, bool large) const;
+  std::optional<Verdict> Undecided(const RegionShape& slope) const;
 
   const LabelingConfig& config_;
+  const StaircaseConfig& stairs_;
   const RobotConfig& robot_;
   const Scene& scene_;
   PlanIndex index_;

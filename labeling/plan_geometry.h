@@ -11,6 +11,13 @@ namespace terrace {
 /// A closed ring in the plan, seen from above; the first vertex is not repeated.
 using PlanRing = std::vector<Eigen::Vector2d>;
 
+/// The vector turned by a quarter to the left.
+inline Eigen::Vector2d LeftOf(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+/// Positive when b points to the left of a.
+inline double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
 /// The ring with vertices left out that lie closer than `tolerance_m` to what remains (Douglas and Peucker).
 /// At least three vertices remain.
 PlanRing SimplifyPlan(const PlanRing& ring, double tolerance_m);

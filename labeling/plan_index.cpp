@@ -8,7 +8,7 @@ namespace terrace {
 namespace {
 
 constexpr double kCell = 1.0;
-/// A surface with more cells than this (100 m by 100 m) is cut off: a wrong polygon must not fill the memory.
+/// A shape with more cells than this (100 m by 100 m) is cut off: a wrong polygon must not fill the memory.
 constexpr std::int64_t kMaxCellsPerAxis = 100;
 
 std::int64_t CellOf(double x) { return static_cast<std::int64_t>(std::floor(x / kCell)); }
@@ -16,9 +16,9 @@ std::int64_t KeyOf(std::int64_t x, std::int64_t y) { return (x << 32) + y; }
 
 }  // namespace
 
-PlanIndex::PlanIndex(const std::vector<SurfacePtr>& surfaces, double margin_m) {
-  for (int i = 0; i < static_cast<int>(surfaces.size()); ++i) {
-    const Eigen::AlignedBox3d& bounds = surfaces[i]->bounds;
+PlanIndex::PlanIndex(const std::vector<RegionShapePtr>& shapes, double margin_m) {
+  for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
+    const Eigen::AlignedBox3d& bounds = shapes[i]->bounds;
     const std::int64_t x0 = CellOf(bounds.min().x() - margin_m);
     const std::int64_t y0 = CellOf(bounds.min().y() - margin_m);
     const std::int64_t x1 = std::min(CellOf(bounds.max().x() + margin_m), x0 + kMaxCellsPerAxis);

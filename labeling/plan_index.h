@@ -7,21 +7,21 @@
 
 #include <Eigen/Core>
 
-#include "labeling/surface.h"
+#include "labeling/region_shape.h"
 
 namespace terrace {
 
-/// Finds the surfaces about a place of the plan without looking at all of them.
+/// Finds the shapes about a place of the plan without looking at all of them.
 class PlanIndex {
  public:
-  /// @param margin_m  a surface is found from everywhere within this distance of its bounds
-  PlanIndex(const std::vector<SurfacePtr>& surfaces, double margin_m);
+  /// @param margin_m  a shape is found from everywhere within this distance of its bounds
+  PlanIndex(const std::vector<RegionShapePtr>& shapes, double margin_m);
 
-  /// Indices, ascending, of the surfaces whose bounds may lie within the margin of p.
+  /// Indices, ascending, of the shapes whose bounds may lie within the margin of p.
   std::vector<int> Near(const Eigen::Vector2d& p) const;
 
  private:
-  std::vector<std::pair<std::int64_t, int>> cells_;  ///< cell, index of a surface; ascending
+  std::vector<std::pair<std::int64_t, int>> cells_;  ///< cell, index of a shape; ascending
 };
 
 }  // namespace terrace

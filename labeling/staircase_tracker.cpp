@@ -8,11 +8,10 @@
 namespace terrace {
 namespace {
 
-std::vector<StepPlace> PlacesOf(const FoundStaircase& found, const std::vector<SurfacePtr>& surfaces) {
+std::vector<StepPlace> PlacesOf(const FoundStaircase& found, const std::vector<RegionShapePtr>& shapes) {
   std::vector<StepPlace> places;
-  for (const StepMember& m : found.members)
-    places.push_back({surfaces[m.surface]->id(), m.riser, m.step_index});
-  return places;  // surfaces ascend by id, and so do members
+  for (const StepMember& m : found.members) places.push_back({shapes[m.shape]->id(), m.riser, m.step_index});
+  return places;  // shapes ascend by id, and so do members
 }
 
 /// How well a flight that was just found continues a tracked one; 0: it is another.
@@ -89,7 +88,8 @@ std::vector<FlightModel> StaircaseTracker::models() const {
 }
 
 void StaircaseTracker::Update(const std::vector<FoundStaircase>& found,
-                              const std::vector<SurfacePtr>& surfaces, const Eigen::Matrix3d& R_level_world) {
+                              const std::vector<RegionShapePtr>& shapes,
+                              const Eigen::Matrix3d& R_level_world) {
   std::vector<bool> taken(found.size(), false);
   std::set<PolygonId> used;
   const std::size_t num_old = tracks_.size();
@@ -99,7 +99,7 @@ void StaircaseTracker::Update(const std::vector<FoundStaircase>& found,
     std::size_t best = found.size();
     for (std::size_t f = 0; f < found.size(); ++f) {
       if (taken[f]) continue;
-      const int likeness = Likeness(track.staircase, found[f], PlacesOf(found[f], surfaces));
+      const int likeness = Likeness(track.staircase, found[f], PlacesOf(found[f], shapes));
       if (likeness <= most) continue;
       most = likeness;
       best = f;
@@ -123,16 +123,17 @@ void StaircaseTracker::Update(const std::vector<FoundStaircase>& found,
   }
 
   const auto present = [&](PolygonId id) {
-    const auto it = std::lower_bound(surfaces.begin(), surfaces.end(), id,
-                                     [](const SurfacePtr& s, PolygonId wanted) { return s->id() < wanted; });
-    return it != surfaces.end() && (*it)->id() == id;
+    const auto it =
+        std::lower_bound(shapes.begin(), shapes.end(), id,
+                         [](const RegionShapePtr& s, PolygonId wanted) { return s->id() < wanted; });
+    return it != shapes.end() && (*it)->id() == id;
   };
   for (Track& track : tracks_) {
     TrackedStaircase& s = track.staircase;
     if (track.num_missed == 0) {
-      s.places = PlacesOf(s.found, surfaces);
-      s.foot_region = s.found.foot_surface ? surfaces[*s.found.foot_surface]->id() : 0;
-      s.head_region = s.found.head_surface ? surfaces[*s.found.head_surface]->id() : 0;
+      s.places = PlacesOf(s.found, shapes);
+      s.foot_region = s.found.foot_shape ? shapes[*s.found.foot_shape]->id() : 0;
+      s.head_region = s.found.head_shape ? shapes[*s.found.head_shape]->id() : 0;
       for (const StepPlace& place : s.places) used.insert(place.region);
     }
   }
@@ -155,8 +156,8 @@ void StaircaseTracker::Update(const std::vector<FoundStaircase>& found,
     if (!track.told || !PracticallyEqual(s.published, now)) s.published = now;
     track.told = true;
     for (const StepPlace& place : s.places) {
-      const auto it = std::lower_bound(surfaces.begin(), surfaces.end(), place.region,
-                                       [](const SurfacePtr& a, PolygonId id) { return a->id() < id; });
+      const auto it = std::lower_bound(shapes.begin(), shapes.end(), place.region,
+                                       [](const RegionShapePtr& a, PolygonId id) { return a->id() < id; });
       s.published.last_seen = std::max(s.published.last_seen, (*it)->polygon->last_seen);
     }
     confirmed_.push_back(s);

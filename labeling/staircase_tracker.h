@@ -37,7 +37,7 @@ class StaircaseTracker {
   /// The laws of all staircases that have been told, for StaircaseFinder::Find.
   std::vector<FlightModel> models() const;
 
-  void Update(const std::vector<FoundStaircase>& found, const std::vector<SurfacePtr>& surfaces,
+  void Update(const std::vector<FoundStaircase>& found, const std::vector<RegionShapePtr>& shapes,
               const Eigen::Matrix3d& R_level_world);
 
   /// Ascending by id. No region is in two of them.

@@ -14,19 +14,20 @@ constexpr std::size_t kMaxStances = 128;
 /// A centimetre of height counts as much as three of distance.
 constexpr double kHeightWeight = 3.0;
 
-int IndexOf(const std::vector<SurfacePtr>& surfaces, PolygonId id) {
-  const auto it = std::lower_bound(surfaces.begin(), surfaces.end(), id,
-                                   [](const SurfacePtr& s, PolygonId wanted) { return s->id() < wanted; });
-  if (it == surfaces.end() || (*it)->id() != id || (*it)->lean != Lean::kSupport) return -1;
-  return static_cast<int>(it - surfaces.begin());
+int IndexOf(const std::vector<RegionShapePtr>& shapes, PolygonId id) {
+  const auto it =
+      std::lower_bound(shapes.begin(), shapes.end(), id,
+                       [](const RegionShapePtr& s, PolygonId wanted) { return s->id() < wanted; });
+  if (it == shapes.end() || (*it)->id() != id || (*it)->lean != Lean::kSupport) return -1;
+  return static_cast<int>(it - shapes.begin());
 }
 
-int NearestSupport(const std::vector<SurfacePtr>& surfaces, const Eigen::Vector3d& ground,
+int NearestSupport(const std::vector<RegionShapePtr>& shapes, const Eigen::Vector3d& ground,
                    const StanceLimits& limits) {
   int nearest = -1;
   double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < static_cast<int>(surfaces.size()); ++i) {
-    const Surface& s = *surfaces[i];
+  for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
+    const RegionShape& s = *shapes[i];
     if (s.lean != Lean::kSupport) continue;
     Eigen::Vector2d q;
     const double distance = s.PlanDistance(ground.head<2>(), &q);
@@ -42,14 +43,14 @@ int NearestSupport(const std::vector<SurfacePtr>& surfaces, const Eigen::Vector3
 
 /// When the height of the body is not what the settings say (a camera in the hand, on a car), the largest
 /// support below it must do.
-int LargestSupportBelow(const std::vector<SurfacePtr>& surfaces, const Eigen::Vector3d& ground) {
+int LargestSupportBelow(const std::vector<RegionShapePtr>& shapes, const Eigen::Vector3d& ground) {
   constexpr double kMaxDistance = 6.0;
   int largest = -1;
-  for (int i = 0; i < static_cast<int>(surfaces.size()); ++i) {
-    const Surface& s = *surfaces[i];
+  for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
+    const RegionShape& s = *shapes[i];
     if (s.lean != Lean::kSupport || s.centroid.z() > ground.z()) continue;
     if (s.PlanDistance(ground.head<2>()) > kMaxDistance) continue;
-    if (largest < 0 || s.area_m2 > surfaces[largest]->area_m2) largest = i;
+    if (largest < 0 || s.area_m2 > shapes[largest]->area_m2) largest = i;
   }
   return largest;
 }
@@ -68,19 +69,19 @@ void StanceMemory::Stand(const Eigen::Vector3d& body_world, const Eigen::Matrix3
   if (past_.size() > kMaxStances) past_.erase(past_.begin());
 }
 
-std::vector<int> StanceMemory::Seeds(const std::vector<SurfacePtr>& surfaces,
+std::vector<int> StanceMemory::Seeds(const std::vector<RegionShapePtr>& shapes,
                                      const Eigen::Matrix3d& R_level_world) {
   std::vector<int> seeds;
   for (Stance& stance : past_) {
-    int i = stance.ground != 0 ? IndexOf(surfaces, stance.ground) : -1;
+    int i = stance.ground != 0 ? IndexOf(shapes, stance.ground) : -1;
     if (i < 0) {
-      i = NearestSupport(surfaces, R_level_world * stance.ground_world, limits_);
-      stance.ground = i < 0 ? 0 : surfaces[i]->id();
+      i = NearestSupport(shapes, R_level_world * stance.ground_world, limits_);
+      stance.ground = i < 0 ? 0 : shapes[i]->id();
     }
     if (i >= 0) seeds.push_back(i);
   }
   if (seeds.empty() && !past_.empty()) {
-    const int i = LargestSupportBelow(surfaces, R_level_world * past_.back().ground_world);
+    const int i = LargestSupportBelow(shapes, R_level_world * past_.back().ground_world);
     if (i >= 0) seeds.push_back(i);
   }
   std::sort(seeds.begin(), seeds.end());

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "labeling/surface.h"
+#include "labeling/region_shape.h"
 
 namespace terrace {
 
@@ -26,7 +26,7 @@ class StanceMemory {
   void Stand(const Eigen::Vector3d& body_world, const Eigen::Matrix3d& R_level_world);
 
   /// Indices, ascending, of the supports on which the robot stands or stood.
-  std::vector<int> Seeds(const std::vector<SurfacePtr>& surfaces, const Eigen::Matrix3d& R_level_world);
+  std::vector<int> Seeds(const std::vector<RegionShapePtr>& shapes, const Eigen::Matrix3d& R_level_world);
 
  private:
   struct Stance {

@@ -8,7 +8,7 @@ namespace terrace {
 namespace {
 
 /// The best link between a vertex of `a` and the area of `b`, over all vertices of `a`.
-Link LinkFromVertices(const Surface& a, const Surface& b, const StepLimits& limits) {
+Link LinkFromVertices(const RegionShape& a, const RegionShape& b, const StepLimits& limits) {
   Link best = Link::kNone;
   for (const PlanRing& ring : a.plan) {
     for (const Eigen::Vector2d& p : ring) {
@@ -26,7 +26,7 @@ Link LinkFromVertices(const Surface& a, const Surface& b, const StepLimits& limi
   return best;
 }
 
-bool MayTouch(const Surface& a, const Surface& b, const StepLimits& limits) {
+bool MayTouch(const RegionShape& a, const RegionShape& b, const StepLimits& limits) {
   const Eigen::Vector3d reach(limits.max_reach_m, limits.max_reach_m, limits.max_height_m);
   const Eigen::AlignedBox3d wide(a.bounds.min() - reach, a.bounds.max() + reach);
   return wide.intersects(b.bounds);
@@ -34,27 +34,27 @@ bool MayTouch(const Surface& a, const Surface& b, const StepLimits& limits) {
 
 }  // namespace
 
-Link LinkBetween(const Surface& a, const Surface& b, const StepLimits& limits) {
+Link LinkBetween(const RegionShape& a, const RegionShape& b, const StepLimits& limits) {
   if (!MayTouch(a, b, limits)) return Link::kNone;
   const Link there = LinkFromVertices(a, b, limits);
   if (there == Link::kJoins) return there;
   return std::max(there, LinkFromVertices(b, a, limits));
 }
 
-void StepGraph::Update(const std::vector<SurfacePtr>& surfaces) {
+void StepGraph::Update(const std::vector<RegionShapePtr>& shapes) {
   std::map<std::pair<PolygonId, PolygonId>, KnownLink> known;
-  neighbors_.assign(surfaces.size(), {});
-  for (int i = 0; i < static_cast<int>(surfaces.size()); ++i) {
-    if (surfaces[i]->lean != Lean::kSupport) continue;
-    for (int j = i + 1; j < static_cast<int>(surfaces.size()); ++j) {
-      if (surfaces[j]->lean != Lean::kSupport || !MayTouch(*surfaces[i], *surfaces[j], limits_)) continue;
-      const std::pair key(surfaces[i]->id(), surfaces[j]->id());
+  neighbors_.assign(shapes.size(), {});
+  for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
+    if (shapes[i]->lean != Lean::kSupport) continue;
+    for (int j = i + 1; j < static_cast<int>(shapes.size()); ++j) {
+      if (shapes[j]->lean != Lean::kSupport || !MayTouch(*shapes[i], *shapes[j], limits_)) continue;
+      const std::pair key(shapes[i]->id(), shapes[j]->id());
       const auto before = known_.find(key);
       KnownLink& link = known[key];
-      if (before != known_.end() && before->second.a == surfaces[i] && before->second.b == surfaces[j])
+      if (before != known_.end() && before->second.a == shapes[i] && before->second.b == shapes[j])
         link = before->second;
       else
-        link = {surfaces[i], surfaces[j], LinkBetween(*surfaces[i], *surfaces[j], limits_)};
+        link = {shapes[i], shapes[j], LinkBetween(*shapes[i], *shapes[j], limits_)};
       if (link.link == Link::kNone) continue;
       neighbors_[i].emplace_back(j, link.link);
       neighbors_[j].emplace_back(i, link.link);

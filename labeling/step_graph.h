@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "labeling/surface.h"
+#include "labeling/region_shape.h"
 
 namespace terrace {
 
@@ -25,15 +25,15 @@ struct StepLimits {
 };
 
 /// The best link that exists between the outlines of two supports.
-Link LinkBetween(const Surface& a, const Surface& b, const StepLimits& limits);
+Link LinkBetween(const RegionShape& a, const RegionShape& b, const StepLimits& limits);
 
-/// Supports as nodes, steps between them as edges. Remembers the links of surfaces that did not change.
+/// Supports as nodes, steps between them as edges. Remembers the links of shapes that did not change.
 class StepGraph {
  public:
   explicit StepGraph(const StepLimits& limits) : limits_(limits) {}
 
-  /// @param surfaces  ascending by id
-  void Update(const std::vector<SurfacePtr>& surfaces);
+  /// @param shapes  ascending by id
+  void Update(const std::vector<RegionShapePtr>& shapes);
 
   /// Pairs of indices into what was last given to Update, each in both directions, ascending.
   const std::vector<std::vector<std::pair<int, Link>>>& neighbors() const { return neighbors_; }
@@ -44,8 +44,8 @@ class StepGraph {
 
  private:
   struct KnownLink {
-    SurfacePtr a;
-    SurfacePtr b;
+    RegionShapePtr a;
+    RegionShapePtr b;
     Link link = Link::kNone;
   };
   StepLimits limits_;

@@ -6,7 +6,8 @@
 
 namespace terrace {
 
-void ViewMemory::JudgeTop(const Surface& face, const Eigen::Isometry3d& T_left_level, Memory& memory) const {
+void ViewMemory::JudgeTop(const RegionShape& face, const Eigen::Isometry3d& T_left_level,
+                          Memory& memory) const {
   if (camera_.width <= 0 || face.columns.empty()) return;
   constexpr double kAbove = 0.10;      // what should show above a top that is one
   constexpr double kBorder_px = 10.0;  // matching leaves the border of the image empty
@@ -39,26 +40,26 @@ void ViewMemory::JudgeTop(const Surface& face, const Eigen::Isometry3d& T_left_l
   ++(seen > cut ? memory.num_seen : memory.num_cut);
 }
 
-void ViewMemory::Look(const std::vector<SurfacePtr>& surfaces, const Eigen::Isometry3d& T_level_left,
+void ViewMemory::Look(const std::vector<RegionShapePtr>& shapes, const Eigen::Isometry3d& T_level_left,
                       Timestamp t_now) {
   const Eigen::Isometry3d T_left_level = T_level_left.inverse();
   std::map<PolygonId, Memory> memories;
   tops_.clear();
   nearest_view_m_.clear();
-  for (const SurfacePtr& surface : surfaces) {
-    const auto before = memories_.find(surface->id());
+  for (const RegionShapePtr& shape : shapes) {
+    const auto before = memories_.find(shape->id());
     const bool fresh = before == memories_.end();
     Memory memory = fresh ? Memory{} : before->second;
-    if (fresh || surface->polygon->last_seen >= t_now) {
-      const double distance = std::sqrt(surface->bounds.squaredExteriorDistance(T_level_left.translation()));
+    if (fresh || shape->polygon->last_seen >= t_now) {
+      const double distance = std::sqrt(shape->bounds.squaredExteriorDistance(T_level_left.translation()));
       memory.nearest_m = fresh ? distance : std::min(memory.nearest_m, distance);
-      if (surface->lean == Lean::kUpright) JudgeTop(*surface, T_left_level, memory);
+      if (shape->lean == Lean::kUpright) JudgeTop(*shape, T_left_level, memory);
     }
     tops_.push_back(memory.num_seen + memory.num_cut == 0 ? TopView::kNotJudged
                     : memory.num_seen >= memory.num_cut   ? TopView::kSeen
                                                           : TopView::kOutOfView);
     nearest_view_m_.push_back(memory.nearest_m);
-    memories.emplace(surface->id(), memory);
+    memories.emplace(shape->id(), memory);
   }
   memories_ = std::move(memories);
 }

@@ -8,21 +8,22 @@
 
 #include "core/camera.h"
 #include "labeling/label_rules.h"
-#include "labeling/surface.h"
+#include "labeling/region_shape.h"
 
 namespace terrace {
 
-/// Remembers from where every surface was seen: how near, and whether the tops of faces were in view.
+/// Remembers from where every shape was seen: how near, and whether the tops of faces were in view.
 class ViewMemory {
  public:
   /// @param camera      width 0: not known, no top is ever judged
   /// @param max_depth_m  farther away nothing is judged
   ViewMemory(const StereoCamera& camera, double max_depth_m) : camera_(camera), max_depth_m_(max_depth_m) {}
 
-  /// Looks at all surfaces from where the camera is now; forgets those that are gone.
-  void Look(const std::vector<SurfacePtr>& surfaces, const Eigen::Isometry3d& T_level_left, Timestamp t_now);
+  /// Looks at all shapes from where the camera is now; forgets those that are gone.
+  void Look(const std::vector<RegionShapePtr>& shapes, const Eigen::Isometry3d& T_level_left,
+            Timestamp t_now);
 
-  /// In the order of the surfaces last looked at.
+  /// In the order of the shapes last looked at.
   const std::vector<TopView>& tops() const { return tops_; }
   const std::vector<double>& nearest_view_m() const { return nearest_view_m_; }
 
@@ -33,7 +34,7 @@ class ViewMemory {
     int num_seen = 0;    ///< frames in which what lies above the top was in view
     int num_cut = 0;     ///< frames in which the view ended there
   };
-  void JudgeTop(const Surface& face, const Eigen::Isometry3d& T_left_level, Memory& memory) const;
+  void JudgeTop(const RegionShape& face, const Eigen::Isometry3d& T_left_level, Memory& memory) const;
 
   StereoCamera camera_;
   double max_depth_m_ = 0.0;

@@ -121,7 +121,7 @@ TEST(FeetEvaluationTest, StandsOnAnythingThatIsNotUprightWhateverItsLabel) {
 TEST(FeetEvaluationTest, OffersNothingThatIsPredictedOrNotWalkable) {
   const TrueScene truth = Platform();
   const TerrainMap predicted =
-      WithRegion(MapOf(truth), 1, [](TerrainRegion& region) { region.predicted = true; });
+      WithRegion(MapOf(truth), 1, [](TerrainRegion& region) { region.source = RegionSource::kPredicted; });
   const TerrainMap obstacle =
       WithRegion(MapOf(truth), 1, [](TerrainRegion& region) { region.label = TerrainLabel::kObstacle; });
   for (const TerrainMap& map : {predicted, obstacle}) {

@@ -148,7 +148,7 @@ TEST(MapEvaluationTest, TellsALevelFromAnObstacle) {
 
 TEST(MapEvaluationTest, TakesWhatIsPredictedForNothing) {
   const TrueScene truth = SmallWorld();
-  const TerrainMap map = WithRegion(MapOf(truth), 24, [](TerrainRegion& tread) { tread.predicted = true; });
+  const TerrainMap map = WithRegion(MapOf(truth), 24, [](TerrainRegion& tread) { tread.source = RegionSource::kPredicted; });
   const MapEvaluation evaluation = Evaluate(map, truth);
   EXPECT_NEAR(evaluation.labels.at("stair_tread").iou(), 0.9, kExact);
   EXPECT_NEAR(evaluation.result_m2, (kSmallWorldCells - 245) * kCell_m2, kExact);

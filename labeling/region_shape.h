@@ -23,14 +23,14 @@ enum class Lean {
 
 /// Where a face begins and ends, for one column of it.
 struct FaceColumn {
-  double along_m = 0.0;   ///< position along Surface::face_axis
+  double along_m = 0.0;   ///< position along RegionShape::face_axis
   double bottom_m = 0.0;  ///< level frame
   double top_m = 0.0;
 };
 
 /// What the rules need to know about one polygon. All of it in the *level frame*: the world turned by the
 /// smallest rotation that brings up to +z. Made once for each revision of a polygon.
-struct Surface {
+struct RegionShape {
   PolygonPtr polygon;
   Lean lean = Lean::kSteep;
   Plane plane;
@@ -72,16 +72,16 @@ struct Surface {
   /// Horizontal unit vector to the side from which an upright face was seen.
   Eigen::Vector2d front() const { return {face_axis.y(), -face_axis.x()}; }
 };
-using SurfacePtr = std::shared_ptr<const Surface>;
+using RegionShapePtr = std::shared_ptr<const RegionShape>;
 
 /// Limits between the ways to lean, and what is worth measuring.
-struct SurfaceLimits {
+struct RegionShapeLimits {
   double max_support_slope_rad = 0.0;
   double min_upright_slope_rad = 0.0;
   double enough_square_m = 0.0;
 };
 
-SurfacePtr MakeSurface(const PolygonPtr& polygon, const Eigen::Matrix3d& R_level_world,
-                       const SurfaceLimits& limits);
+RegionShapePtr MakeRegionShape(const PolygonPtr& polygon, const Eigen::Matrix3d& R_level_world,
+                               const RegionShapeLimits& limits);
 
 }  // namespace terrace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "labeling/surface.h"
+#include "labeling/region_shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -72,7 +72,7 @@ Interval MiddleHeights(const std::vector<FaceColumn>& columns) {
   return {bottoms[middle], tops[middle]};
 }
 
-Lean LeanOf(double slope_rad, const SurfaceLimits& limits) {
+Lean LeanOf(double slope_rad, const RegionShapeLimits& limits) {
   if (slope_rad <= limits.max_support_slope_rad) return Lean::kSupport;
   if (slope_rad < limits.min_upright_slope_rad) return Lean::kSteep;
   if (slope_rad <= std::numbers::pi - limits.min_upright_slope_rad) return Lean::kUpright;
@@ -81,7 +81,7 @@ Lean LeanOf(double slope_rad, const SurfaceLimits& limits) {
 
 }  // namespace
 
-double Surface::PlanDistance(const Eigen::Vector2d& p, Eigen::Vector2d* nearest) const {
+double RegionShape::PlanDistance(const Eigen::Vector2d& p, Eigen::Vector2d* nearest) const {
   bool inside = Contains(plan.front(), p);
   const PlanRing* ring = &plan.front();
   for (std::size_t hole = 1; inside && hole < plan.size(); ++hole) {
@@ -98,7 +98,7 @@ double Surface::PlanDistance(const Eigen::Vector2d& p, Eigen::Vector2d* nearest)
   return (q - p).norm();
 }
 
-Eigen::Vector3d Surface::FacePoint(double along_m, double z) const {
+Eigen::Vector3d RegionShape::FacePoint(double along_m, double z) const {
   // The face axis is horizontal and in the plane, so only the step across it has to be found.
   const Eigen::Vector2d normal = plane.normal.head<2>();
   const Eigen::Vector2d base = face_axis * along_m;
@@ -107,33 +107,33 @@ Eigen::Vector3d Surface::FacePoint(double along_m, double z) const {
   return {p.x(), p.y(), z};
 }
 
-SurfacePtr MakeSurface(const PolygonPtr& polygon, const Eigen::Matrix3d& R_level_world,
-                       const SurfaceLimits& limits) {
-  auto surface = std::make_shared<Surface>();
-  surface->polygon = polygon;
-  surface->plane = {R_level_world * polygon->plane_world.normal, polygon->plane_world.offset_m};
-  surface->centroid = R_level_world * polygon->centroid_world;
-  surface->area_m2 = polygon->area_m2;
-  surface->slope_rad = std::acos(std::clamp(surface->plane.normal.z(), -1.0, 1.0));
-  surface->slope_sigma_rad =
+RegionShapePtr MakeRegionShape(const PolygonPtr& polygon, const Eigen::Matrix3d& R_level_world,
+                               const RegionShapeLimits& limits) {
+  auto shape = std::make_shared<RegionShape>();
+  shape->polygon = polygon;
+  shape->plane = {R_level_world * polygon->plane_world.normal, polygon->plane_world.offset_m};
+  shape->centroid = R_level_world * polygon->centroid_world;
+  shape->area_m2 = polygon->area_m2;
+  shape->slope_rad = std::acos(std::clamp(shape->plane.normal.z(), -1.0, 1.0));
+  shape->slope_sigma_rad =
       std::sqrt(std::max(0.0, std::max(polygon->plane_covariance(0, 0), polygon->plane_covariance(1, 1))));
-  surface->lean = LeanOf(surface->slope_rad, limits);
-  for (const Eigen::Vector3d& p : polygon->outline_world) surface->bounds.extend(R_level_world * p);
+  shape->lean = LeanOf(shape->slope_rad, limits);
+  for (const Eigen::Vector3d& p : polygon->outline_world) shape->bounds.extend(R_level_world * p);
 
-  surface->plan.push_back(SimplifyPlan(PlanOf(polygon->outline_world, R_level_world), kSimplifyTolerance));
-  surface->rectangle = SmallestRectangle(surface->plan.front());
-  if (surface->lean == Lean::kUpright) {
-    surface->face_axis = Eigen::Vector2d(-surface->plane.normal.y(), surface->plane.normal.x()).normalized();
-    surface->columns = ColumnsOf(polygon->outline_world, R_level_world, surface->face_axis);
-    surface->face_heights = surface->columns.empty() ? surface->heights() : MiddleHeights(surface->columns);
-    surface->high_top_m = surface->columns.empty() ? surface->heights().high : HighTop(surface->columns);
+  shape->plan.push_back(SimplifyPlan(PlanOf(polygon->outline_world, R_level_world), kSimplifyTolerance));
+  shape->rectangle = SmallestRectangle(shape->plan.front());
+  if (shape->lean == Lean::kUpright) {
+    shape->face_axis = Eigen::Vector2d(-shape->plane.normal.y(), shape->plane.normal.x()).normalized();
+    shape->columns = ColumnsOf(polygon->outline_world, R_level_world, shape->face_axis);
+    shape->face_heights = shape->columns.empty() ? shape->heights() : MiddleHeights(shape->columns);
+    shape->high_top_m = shape->columns.empty() ? shape->heights().high : HighTop(shape->columns);
   }
-  if (surface->lean == Lean::kSupport) {
+  if (shape->lean == Lean::kSupport) {
     for (const Ring& hole : polygon->holes_world)
-      surface->plan.push_back(SimplifyPlan(PlanOf(hole, R_level_world), kSimplifyTolerance));
-    surface->largest_square_m = LargestSquare(surface->plan, surface->rectangle, limits.enough_square_m);
+      shape->plan.push_back(SimplifyPlan(PlanOf(hole, R_level_world), kSimplifyTolerance));
+    shape->largest_square_m = LargestSquare(shape->plan, shape->rectangle, limits.enough_square_m);
   }
-  return surface;
+  return shape;
 }
 
 }  // namespace terrace

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "labeling/flight_frame.h"
+#include "labeling/step_elements.h"
+#include "labeling/stride.h"
+
+namespace terrace {
+
+/// One hypothesis of a flight with everything that obeys it.
+struct Flight {
+  FlightFramePtr frame;
+  std::vector<StepElement> elements;  ///< measured in `frame`
+  Stride stride;
+  std::vector<StepFit> fits;
+  double score = 0.0;
+};
+
+/// Least squares over all members: the common rise, run and width, and again who obeys them.
+void RefineFlight(const StaircaseConfig& config, Flight& flight);
+
+/// The same straight flight, measured along the direction on which its risers (none: its treads) agree.
+std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,
+                                    const Flight& flight);
+
+}  // namespace terrace

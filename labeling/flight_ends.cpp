@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "labeling/flight_ends.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "core/angles.h"
+
+namespace terrace {
+namespace {
+
+/// A floor or a landing reaches further than this many treads.
+constexpr double kLongerThanTread = 1.35;
+
+/// A support at a height that the flight's law knows.
+struct LevelBeside {
+  Interval along;
+  int level = 0;  ///< 0: at the foot of step 1
+};
+
+std::optional<LevelBeside> MeasureLevel(const StaircaseConfig& config, const RegionShape& s,
+                                        const Flight& flight) {
+  const Stride& stride = flight.stride;
+  if (s.lean != Lean::kSupport || s.slope_rad > Radians(config.max_tread_slope_deg)) return std::nullopt;
+  const Interval lateral = flight.frame->LateralExtent(s);
+  if (lateral.Overlap(stride.lateral) < 0.4 * stride.lateral.length()) return std::nullopt;
+  // Where it meets the flight, for it may lean: the end of a floor, the beginning of a landing.
+  Interval along = flight.frame->AlongExtent(
+      s, {std::max(lateral.low, stride.lateral.low), std::min(lateral.high, stride.lateral.high)});
+  const double steps = s.HeightAt(s.rectangle.center) - stride.z0;
+  const double hint = stride.along0 + (steps / stride.rise - 0.5) * stride.run;
+  const double shift = flight.frame->Unwrapped(along.middle(), hint) - along.middle();
+  along = {along.low + shift, along.high + shift};
+  const double flight_end = along.middle() < hint ? along.high : along.low;
+  const double z = flight.frame->HeightNear(s, flight_end, stride.lateral.middle());
+  const int level = static_cast<int>(std::lround((z - stride.z0) / stride.rise));
+  if (std::abs(z - stride.z0 - level * stride.rise) > 1.5 * config.HeightTolerance(stride.rise))
+    return std::nullopt;
+  return LevelBeside{along, level};
+}
+
+}  // namespace
+
+void KeepLongestRun(std::vector<StepFit>& fits) {
+  std::set<int> levels;
+  for (const StepFit& fit : fits) levels.insert(fit.step_index);
+  std::vector<std::pair<int, int>> runs;
+  for (const int level : levels) {
+    if (runs.empty() || level - runs.back().second > 3)
+      runs.emplace_back(level, level);
+    else
+      runs.back().second = level;
+  }
+  std::pair<int, int> best{0, -1};
+  std::ptrdiff_t most = 0;
+  for (const auto& run : runs) {
+    const auto n = std::count_if(fits.begin(), fits.end(), [&](const StepFit& fit) {
+      return fit.step_index >= run.first && fit.step_index <= run.second;
+    });
+    if (n > most) {
+      most = n;
+      best = run;
+    }
+  }
+  std::erase_if(
+      fits, [&](const StepFit& fit) { return fit.step_index < best.first || fit.step_index > best.second; });
+}
+
+FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,
+                          const Flight& flight) {
+  const Stride& stride = flight.stride;
+  int lowest = std::numeric_limits<int>::max();
+  int highest = std::numeric_limits<int>::min();
+  for (const StepFit& fit : flight.fits) {
+    lowest = std::min(lowest, fit.step_index);
+    highest = std::max(highest, fit.step_index);
+  }
+  const bool highest_is_tread = std::any_of(flight.fits.begin(), flight.fits.end(), [&](const StepFit& fit) {
+    return fit.step_index == highest && !flight.elements[fit.element].riser;
+  });
+
+  // Supports at the right height that reach further than a tread does.
+  FlightEnds ends;
+  std::optional<int> foot_level, head_level;
+  double foot_gap = std::numeric_limits<double>::infinity();
+  double head_gap = std::numeric_limits<double>::infinity();
+  const double slack = 2.0 * config.edge_tolerance_m;
+  const double long_enough = kLongerThanTread * stride.run;
+  for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
+    const std::optional<LevelBeside> beside = MeasureLevel(config, *shapes[i], flight);
+    if (!beside || beside->along.length() <= long_enough) continue;
+    const auto& [along, level] = *beside;
+    const double edge = stride.EdgeAt(level);  // riser below this level
+    // A landing begins at the riser below its level, a floor ends at the riser above it.
+    const double before = along.low - edge;
+    const double behind = edge + stride.run - along.high;
+    if (level >= highest - 1 && level <= highest + 1 && before > -slack && before < stride.run &&
+        along.high > edge + long_enough && std::abs(before) < head_gap) {
+      head_gap = std::abs(before);
+      head_level = level;
+      ends.head_shape = i;
+    }
+    if (level < lowest + 1 && level >= lowest - 4 && behind > -slack && behind < 4.0 * stride.run &&
+        along.low < edge - 0.35 * stride.run && std::abs(behind) < foot_gap) {
+      foot_gap = std::abs(behind);
+      foot_level = level;
+      ends.foot_shape = i;
+    }
+  }
+  ends.first_step = foot_level ? *foot_level + 1 : lowest;
+  ends.last_step = head_level ? *head_level : highest;
+  ends.ends_with_tread = !head_level && highest_is_tread;
+  return ends;
+}
+
+}  // namespace terrace

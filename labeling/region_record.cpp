@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "labeling/region_record.h"
+
+#include <cmath>
+#include <optional>
+
+namespace terrace {
+Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
+  // Calling stairs a ramp is the worst mistake: a ramp is told late and taken back at once.
+  const Verdict undecided{TerrainLabel::kUnknown, 0.4, false, "inclined, just seen"};
+  if (!region_) return verdict.label == TerrainLabel::kRamp ? undecided : verdict;
+  const TerrainLabel told = region_->label;
+  if (verdict.label == told) {
+    num_next_ = 0;
+    return verdict;
+  }
+  if (verdict.label != next_label_) num_next_ = 0;
+  next_label_ = verdict.label;
+  ++num_next_;
+  // A staircase has been confirmed by its tracker, and its regions must agree with it at once.
+  const bool step_before = region_->staircase_id.has_value();
+  const bool free_to_change = told == TerrainLabel::kUnknown || told == TerrainLabel::kRamp || step_before;
+  const bool at_once = free_to_change && verdict.label != TerrainLabel::kRamp;
+  if (at_once || num_next_ >= frames_to_change) {
+    num_next_ = 0;
+    return verdict;
+  }
+  if (step_before || told == TerrainLabel::kUnknown) return undecided;
+  return {told, region_->confidence};
+}
+
+const std::shared_ptr<const TerrainRegion>& RegionRecord::Tell(const RegionShapePtr& shape,
+                                                               const Verdict& verdict,
+                                                               const InStaircase* stairs) {
+  // A confidence that moves by less is not worth a message.
+  constexpr double kConfidenceStep = 0.05;
+  const Polygon& polygon = *shape->polygon;
+  const bool same_polygon = region_ && !OutOfDate(*shape);
+  shape_ = shape;
+  const std::optional<std::int64_t> staircase_id = stairs ? std::optional(stairs->id) : std::nullopt;
+  const std::optional<int> step_index = stairs ? std::optional(stairs->place.step_index) : std::nullopt;
+  if (same_polygon && region_->label == verdict.label && region_->staircase_id == staircase_id &&
+      region_->step_index == step_index && region_->edges == edges &&
+      std::abs(region_->confidence - verdict.confidence) < kConfidenceStep)
+    return region_;
+  auto region = std::make_shared<TerrainRegion>();
+  region->id = polygon.id;
+  region->revision = region_ ? region_->revision + 1 : 1;
+  region->label = verdict.label;
+  region->confidence = verdict.confidence;
+  region->plane_world = polygon.plane_world;
+  region->plane_covariance = polygon.plane_covariance;
+  region->centroid_world = polygon.centroid_world;
+  region->rms_m = polygon.rms_m;
+  region->area_m2 = polygon.area_m2;
+  region->outline_world = polygon.outline_world;
+  region->holes_world = polygon.holes_world;
+  region->edges = edges;
+  region->support = polygon.support;
+  region->num_observations = polygon.num_observations;
+  region->first_seen = polygon.first_seen;
+  region->last_seen = polygon.last_seen;
+  region->staircase_id = staircase_id;
+  region->step_index = step_index;
+  region_ = std::move(region);
+  return region_;
+}
+
+}  // namespace terrace

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/terrain_map.h"
+#include "labeling/label_rules.h"
+#include "labeling/region_shape.h"
+#include "labeling/staircase_tracker.h"
+
+namespace terrace {
+
+/// The place of one region in a staircase, and how sure it is.
+struct InStaircase {
+  std::int64_t id = 0;
+  StepPlace place;
+  double confidence = 0.0;
+};
+
+/// One region as it was last told, and what is on the way to be told of it.
+class RegionRecord {
+ public:
+  /// The verdict to tell: a new label must have been found `frames_to_change` times in a row.
+  Verdict Steady(const Verdict& verdict, int frames_to_change);
+
+  /// True when the polygon of the region is another than when it was last told.
+  bool OutOfDate(const RegionShape& shape) const { return !shape_ || shape_->polygon != shape.polygon; }
+
+  /// Tells it: a new revision when anything but a hair of confidence has changed.
+  /// @param stairs  null: in no staircase
+  const std::shared_ptr<const TerrainRegion>& Tell(const RegionShapePtr& shape, const Verdict& verdict,
+                                                   const InStaircase* stairs);
+
+  std::vector<RegionEdge> edges;
+  bool edges_stale = true;  ///< something beside the shape has changed since
+
+ private:
+  std::shared_ptr<const TerrainRegion> region_;
+  RegionShapePtr shape_;  ///< that the region was made of
+  TerrainLabel next_label_ = TerrainLabel::kUnknown;
+  int num_next_ = 0;  ///< frames in a row that said next_label instead of the published one
+};
+
+}  // namespace terrace

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "labeling/step_elements.h"
+
+#include <cmath>
+
+#include "core/angles.h"
+
+namespace terrace {
+
+std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
+                                          const std::vector<RegionShapePtr>& shapes) {
+  // A riser may be seen with a strip of what stands above or below it.
+  const double max_face = config.max_riser_m + 2.0 * config.height_tolerance_m;
+  // A landing of which little is seen may pass for a tread; its neighbours tell.
+  const double max_depth = config.max_tread_m + 2.0 * config.edge_tolerance_m;
+  constexpr double kMinFaceHeight = 0.03;
+  constexpr double kMinDepth = 0.06;
+  // Fragments of a step, in pieces.
+  constexpr double kMinLength = 0.2;
+  std::vector<StepCandidate> candidates;
+  for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
+    const RegionShape& s = *shapes[i];
+    if (s.rectangle.length_m < kMinLength) continue;
+    if (s.lean == Lean::kUpright) {
+      const double height = s.face_heights.length();
+      if (height >= kMinFaceHeight && height <= max_face) candidates.push_back({i, true});
+    } else if (s.lean == Lean::kSupport) {
+      const double depth = s.rectangle.depth_m;
+      if (s.slope_rad <= Radians(config.max_tread_slope_deg) && depth >= kMinDepth &&
+          depth <= 2.0 * max_depth)
+        candidates.push_back({i, false, depth > max_depth});
+    }
+  }
+  return candidates;
+}
+
+std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
+                                      const std::vector<RegionShapePtr>& shapes,
+                                      const std::vector<StepCandidate>& candidates,
+                                      const FlightFrame& frame) {
+  const double min_cos_riser = std::cos(Radians(config.max_turn_deg));
+  // The outline of a tread that is partly seen leans with the limit of view.
+  const double min_cos_tread = std::cos(Radians(2.0 * config.max_turn_deg));
+  std::vector<StepElement> elements;
+  for (const StepCandidate& c : candidates) {
+    if (c.spiral_only && !frame.spiral()) continue;
+    const RegionShape& s = *shapes[c.shape];
+    const Eigen::Vector2d up = frame.UpAt(s.rectangle.center);
+    if (c.riser && -s.front().dot(up) < min_cos_riser) continue;
+    if (!c.riser && !frame.spiral() && s.rectangle.length_m > 2.0 * s.rectangle.depth_m &&
+        std::abs(s.rectangle.short_axis().dot(up)) < min_cos_tread)
+      continue;
+    StepElement e;
+    e.shape = c.shape;
+    e.riser = c.riser;
+    e.lateral = frame.LateralExtent(s);
+    e.along = frame.AlongExtent(s, e.lateral);
+    if (c.riser) e.along = {e.along.middle(), e.along.middle()};
+    e.heights = c.riser ? s.face_heights : s.heights();
+    e.z = c.riser ? e.heights.middle() : s.HeightAt(s.rectangle.center);
+    e.area_m2 = s.area_m2;
+    elements.push_back(e);
+  }
+  return elements;
+}
+
+}  // namespace terrace

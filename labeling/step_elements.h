@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "labeling/flight_frame.h"
+#include "labeling/region_shape.h"
+#include "labeling/staircase_config.h"
+
+namespace terrace {
+
+/// A shape that may be a step.
+struct StepCandidate {
+  int shape = 0;
+  bool riser = false;
+  bool spiral_only = false;  ///< too deep for a straight tread, but a wedge is deeper at its outer end
+};
+
+/// What may be riser or tread, by its own form alone.
+std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
+                                          const std::vector<RegionShapePtr>& shapes);
+
+/// A candidate measured along a flight.
+struct StepElement {
+  int shape = 0;
+  bool riser = false;
+  Interval along;  ///< of a riser: its middle, twice
+  Interval lateral;
+  Interval heights;
+  double z = 0.0;  ///< middle height of a riser, mean height of a tread
+  double area_m2 = 0.0;
+};
+
+/// The candidates that lie across the flight as its steps would.
+std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
+                                      const std::vector<RegionShapePtr>& shapes,
+                                      const std::vector<StepCandidate>& candidates, const FlightFrame& frame);
+
+}  // namespace terrace
