@@ -34,8 +34,8 @@ struct TrueTrajectory {
 bool HasTrueTrajectory(const std::filesystem::path& sequence);
 
 /// The true poses of a sequence: the `groundtruth_tum.txt` of an EuRoC folder (raw left camera, at the times
-/// of the frames), else its body states, or the `poses.txt` of a KITTI folder (rectified left camera), or
-/// what an LCM log holds. Throws FileError.
+/// of the frames), else its body states, or the `poses.txt` of a KITTI folder (rectified left camera), else
+/// what the camera's own tracking said (`zed_tracking.tum`, the same camera), or what an LCM log holds. Throws FileError.
 TrueTrajectory LoadTrueTrajectory(const std::filesystem::path& sequence);
 
 /// Cells of a true polygon that some frame saw within 5 m; none (nx = 0) when no frame did.

@@ -22,6 +22,8 @@ fs::path BodyStates(const fs::path& sequence) {
 }
 fs::path RawLeftPoses(const fs::path& sequence) { return sequence / "groundtruth_tum.txt"; }
 fs::path KittiPoses(const fs::path& sequence) { return sequence / "poses.txt"; }
+/// What a stereo camera's own tracking said of its rectified left camera, good to some millimetres.
+fs::path DeviceTracking(const fs::path& sequence) { return sequence / "zed_tracking.tum"; }
 
 /// A pose from position and quaternion; none when the quaternion is far from a rotation.
 std::optional<TimedPose> PoseOf(Timestamp t, const Eigen::Vector3d& position, const Eigen::Quaterniond& q) {
@@ -61,14 +63,14 @@ TrueTrajectory LoadBodyStates(const fs::path& csv) {
                                  csv, ',', "a time stamp [ns], position and quaternion w x y z", parse))};
 }
 
-TrueTrajectory LoadRawLeftPoses(const fs::path& txt) {
+TrueTrajectory LoadTumPoses(const fs::path& txt, TruthFrame frame) {
   const auto parse = [](std::span<const std::string_view> cells) -> std::optional<TimedPose> {
     const std::optional<Timestamp> t = cells.empty() ? std::nullopt : ParseSeconds(cells[0]);
     const auto v = ParseDoubles(cells, 1, 7);
     if (!t || !v) return std::nullopt;
     return PoseOf(*t, {(*v)[0], (*v)[1], (*v)[2]}, {(*v)[6], (*v)[3], (*v)[4], (*v)[5]});
   };
-  return {TruthFrame::kRawLeft,
+  return {frame,
           Rising(ReadTable<TimedPose>(txt, ' ', "a time [s], position and quaternion x y z w", parse))};
 }
 
@@ -101,14 +103,17 @@ bool HasTrueTrajectory(const fs::path& sequence) {
   std::error_code error;
   if (RecogniseSequence(sequence) == SequenceKind::kLcmLog) return !LoadLcmLogTruth(sequence).poses.empty();
   return fs::exists(BodyStates(sequence), error) || fs::exists(RawLeftPoses(sequence), error) ||
-         fs::exists(KittiPoses(sequence), error);
+         fs::exists(KittiPoses(sequence), error) || fs::exists(DeviceTracking(sequence), error);
 }
 
 TrueTrajectory LoadTrueTrajectory(const fs::path& sequence) {
   std::error_code error;
-  if (fs::exists(RawLeftPoses(sequence), error)) return LoadRawLeftPoses(RawLeftPoses(sequence));
+  if (fs::exists(RawLeftPoses(sequence), error))
+    return LoadTumPoses(RawLeftPoses(sequence), TruthFrame::kRawLeft);
   if (fs::exists(BodyStates(sequence), error)) return LoadBodyStates(BodyStates(sequence));
   if (fs::exists(KittiPoses(sequence), error)) return LoadKittiPoses(sequence);
+  if (fs::exists(DeviceTracking(sequence), error))
+    return LoadTumPoses(DeviceTracking(sequence), TruthFrame::kRectifiedLeft);
   if (RecogniseSequence(sequence) == SequenceKind::kLcmLog) {
     TrueTrajectory truth = LoadLcmLogTruth(sequence);
     if (!truth.poses.empty()) return truth;
@@ -116,7 +121,7 @@ TrueTrajectory LoadTrueTrajectory(const fs::path& sequence) {
   }
   throw FileError(sequence.string() +
                   ": has no true poses, neither groundtruth_tum.txt nor "
-                  "mav0/state_groundtruth_estimate0/data.csv nor poses.txt");
+                  "mav0/state_groundtruth_estimate0/data.csv nor poses.txt nor zed_tracking.tum");
 }
 
 }  // namespace terrace

@@ -14,9 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A rotation smaller than this leaves true depth images valid for the rectified camera.
-constexpr double kNoRotation_rad = 1e-4;
-
 /// Slope of y over x by least squares; 0 when x does not change.
 double Slope(const std::vector<double>& x, const std::vector<double>& y) {
   const auto n = static_cast<double>(x.size());
@@ -57,27 +54,6 @@ void KeepExample(Timestamp t_capture, const FloatImage& disparity_px, const Disp
     evaluation->worst = {t_capture, bad_pct, PictureOfErrors(disparity_px, truth)};
 }
 
-bool RectificationTurns(const ResultCamera& camera) {
-  return Eigen::AngleAxisd(camera.R_rect_raw).angle() > kNoRotation_rad;
-}
-
-/// The cells that the frames with a true label image and a true pose of the same moment saw well.
-CellsOfPolygons FindWellSeenCells(const ResultCamera& camera, const fs::path& sequence,
-                                  const TrueScene& scene, const std::vector<TimedPose>& true_left,
-                                  std::vector<std::string>* notes) {
-  const std::map<Timestamp, fs::path> labels = TrueLabelImages(sequence);
-  if (labels.empty() || RectificationTurns(camera)) {
-    notes->push_back("feet: what was well seen is not known, for there are no label images of this camera");
-    return {};
-  }
-  WellSeenCells well_seen(scene);
-  for (const auto& [t, path] : labels) {
-    const std::vector<PosePair> pose = MatchPoses({{t, Eigen::Isometry3d::Identity()}}, true_left);
-    if (!pose.empty()) well_seen.Add(ReadGray16Png(path), camera.camera, pose.front().T_true_left);
-  }
-  return well_seen.Cells();
-}
-
 /// Disparity images of the result that have a true depth image and a true pose of the same moment.
 std::optional<DisparityEvaluation> EvaluateDisparities(const ReplayResult& result, const fs::path& sequence,
                                                        const TrueScene& scene,
@@ -86,7 +62,7 @@ std::optional<DisparityEvaluation> EvaluateDisparities(const ReplayResult& resul
   const std::map<Timestamp, fs::path> saved = SavedDisparities(result.folder);
   const std::map<Timestamp, fs::path> depths = TrueDepthImages(sequence);
   if (saved.empty() || depths.empty()) return std::nullopt;
-  if (RectificationTurns(result.camera)) {
+  if (!TrueImagesApply(result.camera)) {
     notes->push_back("disparity: rectification turns the camera, so the true depth images do not apply");
     return std::nullopt;
   }
@@ -131,6 +107,8 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
   evaluation.frames = result.frames;
   evaluation.film = LoadFilm(result_folder);
   evaluation.result_map = result.map;
+  evaluation.regions = CountRegions(result.map);
+  evaluation.consistency = EvaluateConsistency(result, sequence);
   evaluation.latency_growth = GrowthOf(result.frames);
 
   std::vector<TimedPose> true_left;
@@ -157,9 +135,11 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
   const Eigen::Isometry3d T_true_result =
       pairs.empty() ? Eigen::Isometry3d::Identity() : AlignByOrientations(pairs);
   evaluation.map = EvaluateMap(result.map, scene, T_true_result, options);
-  evaluation.feet = EvaluateFeet(
-      result.map, scene, FindWellSeenCells(result.camera, sequence, scene, true_left, &evaluation.notes),
-      T_true_result);
+  const std::optional<CellsOfPolygons> well_seen =
+      LoadWellSeenCells(sequence, scene, result.camera, true_left);
+  if (!well_seen)
+    evaluation.notes.push_back("feet: what was well seen is not known, for no label image is of this camera");
+  evaluation.feet = EvaluateFeet(result.map, scene, well_seen.value_or(CellsOfPolygons{}), T_true_result);
   evaluation.staircases =
       EvaluateStaircases(result.map.staircases, result.staircase_reports, scene, T_true_result, true_left);
   evaluation.disparity = EvaluateDisparities(result, sequence, scene, true_left, &evaluation.notes);

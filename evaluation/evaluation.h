@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/consistency.h"
 #include "evaluation/disparity_evaluation.h"
 #include "evaluation/feet_evaluation.h"
 #include "evaluation/film_strip.h"
 #include "evaluation/map_evaluation.h"
+#include "evaluation/region_census.h"
 #include "evaluation/result_files.h"
 #include "evaluation/staircase_evaluation.h"
 #include "evaluation/trajectory_evaluation.h"
@@ -34,6 +36,8 @@ struct Evaluation {
   std::optional<FeetEvaluation> feet;
   std::optional<StaircaseEvaluation> staircases;
   std::optional<DisparityEvaluation> disparity;
+  std::optional<DisparityConsistency> consistency;
+  RegionCensus regions;
 
   ReplayStats stats;
   std::optional<LatencyGrowth> latency_growth;

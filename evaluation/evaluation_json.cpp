@@ -137,7 +137,7 @@ Json FeetJson(const FeetEvaluation& feet) {
   json["unsupported_tread_m2"] = feet.unsupported_tread_m2;
   json["unsupported_drop_m2"] = feet.unsupported_drop_m2;
   json["well_seen_m2"] = feet.well_seen_m2;
-  json["num_drop_samples"] = feet.num_drop_samples;
+  json["num_drop_samples"] = feet.drops.size();
   json["treads"] = Json::array();
   for (const TreadFeet& tread : feet.treads) {
     json["treads"].push_back({{"id", tread.id},
@@ -213,6 +213,27 @@ Json DisparityJson(const DisparityEvaluation& disparity) {
   return json;
 }
 
+Json ConsistencyJson(const DisparityConsistency& consistency) {
+  const auto of_some = [](std::int64_t count, double value) {
+    return count > 0 ? Json(value) : Json(nullptr);
+  };
+  Json json;
+  json["num_images"] = consistency.num_images;
+  json["density_pct"] = consistency.density_pct;
+  json["photometric_median"] = of_some(consistency.num_photometric, consistency.photometric_median);
+  json["photometric_p90"] = of_some(consistency.num_photometric, consistency.photometric_p90);
+  json["temporal_median_px"] = of_some(consistency.num_temporal, consistency.temporal_median_px);
+  json["temporal_off_pct"] = of_some(consistency.num_temporal, consistency.temporal_off_pct);
+  return json;
+}
+
+Json RegionsJson(const RegionCensus& regions) {
+  return {{"count", regions.count},
+          {"area_m2", regions.area_m2},
+          {"sliver_pct", regions.sliver_pct()},
+          {"unknown_pct", regions.unknown_pct()}};
+}
+
 Json TimeJson(const Evaluation& evaluation) {
   const ReplayStats& stats = evaluation.stats;
   Json json;
@@ -259,6 +280,8 @@ std::string ToJson(const Evaluation& evaluation) {
   if (evaluation.feet) json["feet"] = FeetJson(*evaluation.feet);
   if (evaluation.staircases) json["staircases"] = StaircasesJson(*evaluation.staircases);
   if (evaluation.disparity) json["disparity"] = DisparityJson(*evaluation.disparity);
+  if (evaluation.consistency) json["consistency"] = ConsistencyJson(*evaluation.consistency);
+  json["regions"] = RegionsJson(evaluation.regions);
   json["time"] = TimeJson(evaluation);
   return json.dump(1) + "\n";
 }

@@ -123,6 +123,24 @@ void PrintDisparity(const DisparityEvaluation& disparity, std::string* text) {
   Print(text, "  edges      %.2f px median of %zu\n", disparity.edge_median_px(), disparity.edges.size());
 }
 
+void PrintConsistency(const DisparityConsistency& consistency, std::string* text) {
+  Print(text, "consistency  %d images, density %.1f %%", consistency.num_images, consistency.density_pct);
+  if (consistency.num_photometric > 0) {
+    Print(text, "; right image warped onto the left: %.1f grey values median, 90 %% within %.1f",
+          consistency.photometric_median, consistency.photometric_p90);
+  }
+  if (consistency.num_temporal > 0) {
+    Print(text, "; over time: %.3f px median, %.2f %% more than 1 px", consistency.temporal_median_px,
+          consistency.temporal_off_pct);
+  }
+  *text += "\n";
+}
+
+void PrintRegions(const RegionCensus& regions, std::string* text) {
+  Print(text, "regions      %d of %.1f m2; slivers %.1f %%, unknown %.1f %%\n", regions.count,
+        regions.area_m2, regions.sliver_pct(), regions.unknown_pct());
+}
+
 void PrintTime(const Evaluation& evaluation, std::string* text) {
   const ReplayStats& stats = evaluation.stats;
   Print(text, "time         %.2f frames/s, %lld of %lld tracked, %lld dropped, %.0f MiB at most\n",
@@ -151,6 +169,8 @@ std::string ToTable(const Evaluation& evaluation) {
   if (evaluation.feet) PrintFeet(*evaluation.feet, &text);
   if (evaluation.staircases) PrintStaircases(*evaluation.staircases, &text);
   if (evaluation.disparity) PrintDisparity(*evaluation.disparity, &text);
+  if (evaluation.consistency) PrintConsistency(*evaluation.consistency, &text);
+  PrintRegions(evaluation.regions, &text);
   PrintTime(evaluation, &text);
   for (const std::string& note : evaluation.notes) text += "note         " + note + "\n";
   return text;

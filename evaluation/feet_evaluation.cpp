@@ -20,8 +20,6 @@ constexpr double kFootHeight_m = 0.025;
 constexpr double kNearDrop_m = 0.1;
 /// Treads of which less was well seen say nothing.
 constexpr double kTreadSeen_m2 = 0.01;
-/// An outline and a drop belong together when their heights agree this well.
-constexpr double kDropHeight_m = 0.05;
 constexpr double kReachStep_m = 0.001;
 constexpr double kLongestReach_m = 0.5;
 
@@ -45,31 +43,45 @@ bool NearDrop(const Eigen::Vector3d& p, const std::vector<DropSample>& drops) {
                      [&](const DropSample& drop) { return (p - drop.p).head<2>().norm() <= kNearDrop_m; });
 }
 
-void EvaluateFootholds(const std::vector<MapRegion>& regions, const TrueGround& ground,
-                       FeetEvaluation* feet) {
-  std::vector<FootCell> unsupported;
-  for (const MapRegion& region : regions) {
-    region.shape.ForEachCell(kFootCell_m, [&](const Eigen::Vector3d& p) {
-      if (region.shape.DistanceToEdge(p) < kFootInside_m) return;
-      feet->foothold_m2 += kFootCell_m2;
-      if (ground.Carries(p, kFootDisc_m, kFootHeight_m)) {
-        feet->cells.push_back({p.head<2>(), FootCell::Kind::kOffered});
-        return;
-      }
-      unsupported.push_back({p.head<2>(), FootCell::Kind::kUnsupported});
-      feet->unsupported_m2 += kFootCell_m2;
-      if (region.region->label == TerrainLabel::kStairTread) feet->unsupported_tread_m2 += kFootCell_m2;
-      if (NearDrop(p, feet->drops)) feet->unsupported_drop_m2 += kFootCell_m2;
+/// Those of the walkable regions of a map.
+class RegionFootholds : public Footholds {
+ public:
+  /// @param regions  kept by reference
+  explicit RegionFootholds(const std::vector<MapRegion>& regions) : regions_(regions) {}
+
+  void ForEach(const Use& use) const override {
+    for (const MapRegion& region : regions_) {
+      const bool on_tread = region.region->label == TerrainLabel::kStairTread;
+      region.shape.ForEachCell(kFootCell_m, [&](const Eigen::Vector3d& p) {
+        if (region.shape.DistanceToEdge(p) >= kFootInside_m) use(p, on_tread);
+      });
+    }
+  }
+  bool OfferAt(const Eigen::Vector3d& p, double height_m) const override {
+    return std::any_of(regions_.begin(), regions_.end(), [&](const MapRegion& region) {
+      return std::abs(HeightAbove(region.shape.plane(), p)) <= height_m && IsFoothold(region.shape, p);
     });
   }
+
+ private:
+  const std::vector<MapRegion>& regions_;
+};
+
+void EvaluateSupport(const Footholds& footholds, const TrueGround& ground, FeetEvaluation* feet) {
+  std::vector<FootCell> unsupported;
+  footholds.ForEach([&](const Eigen::Vector3d& p, bool on_tread) {
+    feet->foothold_m2 += kFootCell_m2;
+    if (ground.Carries(p, kFootDisc_m, kFootHeight_m)) {
+      feet->cells.push_back({p.head<2>(), FootCell::Kind::kOffered});
+      return;
+    }
+    unsupported.push_back({p.head<2>(), FootCell::Kind::kUnsupported});
+    feet->unsupported_m2 += kFootCell_m2;
+    if (on_tread) feet->unsupported_tread_m2 += kFootCell_m2;
+    if (NearDrop(p, feet->drops)) feet->unsupported_drop_m2 += kFootCell_m2;
+  });
   // Last, so that nothing hides them.
   feet->cells.insert(feet->cells.end(), unsupported.begin(), unsupported.end());
-}
-
-bool IsOffered(const std::vector<MapRegion>& regions, const Eigen::Vector3d& p) {
-  return std::any_of(regions.begin(), regions.end(), [&](const MapRegion& region) {
-    return std::abs(HeightAbove(region.shape.plane(), p)) <= kFootHeight_m && IsFoothold(region.shape, p);
-  });
 }
 
 /// Calls use(middle) for each square centimetre of the cells that are marked.
@@ -86,13 +98,13 @@ void ForEachFootCell(const ObservedCells& cells, const Plane& plane, Use use) {
   }
 }
 
-void EvaluateTruth(const TrueShape& truth, const ObservedCells& well_seen,
-                   const std::vector<MapRegion>& regions, FeetEvaluation* feet) {
+void EvaluateOffer(const TrueShape& truth, const ObservedCells& well_seen, const Footholds& footholds,
+                   FeetEvaluation* feet) {
   TreadFeet here{truth.polygon->id, truth.polygon->name};
   ForEachFootCell(well_seen, truth.shape.plane(), [&](const Eigen::Vector3d& p) {
     if (!IsFoothold(truth.shape, p)) return;
     here.well_seen_m2 += kFootCell_m2;
-    if (IsOffered(regions, p)) {
+    if (footholds.OfferAt(p, kFootHeight_m)) {
       here.offered_m2 += kFootCell_m2;
     } else {
       feet->cells.push_back({p.head<2>(), FootCell::Kind::kMissed});
@@ -108,7 +120,7 @@ void EvaluateTruth(const TrueShape& truth, const ObservedCells& well_seen,
 double ReachPast(const DropSample& drop, const std::vector<MapRegion>& regions, const TrueGround& ground) {
   double reach_m = 0.0;
   for (const MapRegion& region : regions) {
-    if (std::abs(HeightAbove(region.shape.plane(), drop.p)) > kDropHeight_m) continue;
+    if (std::abs(HeightAbove(region.shape.plane(), drop.p)) > kFootHeight_m) continue;
     for (int step = 1; step * kReachStep_m <= kLongestReach_m; ++step) {
       const Eigen::Vector3d p = drop.p + step * kReachStep_m * drop.outwards;
       if (!region.shape.LiesOver(p) || ground.Carries(p, 0.0, kFootHeight_m)) break;
@@ -141,23 +153,32 @@ std::optional<double> FeetEvaluation::tread_offered_min_pct() const {
   return least;
 }
 
-FeetEvaluation EvaluateFeet(const TerrainMap& map, const TrueScene& truth, const CellsOfPolygons& well_seen,
-                            const Eigen::Isometry3d& T_true_result) {
+FeetEvaluation EvaluateFootholds(const Footholds& footholds, const TrueScene& truth,
+                                 const CellsOfPolygons& well_seen) {
   FeetEvaluation feet;
   const TrueGround ground(truth);
+  feet.drops = ground.Drops();
+  for (const TrueShape& shape : ShapesOf(truth, {})) {
+    const auto cells = well_seen.find(shape.polygon->id);
+    if (cells != well_seen.end()) EvaluateOffer(shape, cells->second, footholds, &feet);
+  }
+  EvaluateSupport(footholds, ground, &feet);
+  return feet;
+}
+
+FeetEvaluation EvaluateFeet(const TerrainMap& map, const TrueScene& truth, const CellsOfPolygons& well_seen,
+                            const Eigen::Isometry3d& T_true_result) {
   const std::vector<MapRegion> regions = MoveRegions(map, T_true_result);
   const std::vector<MapRegion> walkable = WalkableOnly(regions);
-  feet.drops = ground.Drops();
-  feet.num_drop_samples = static_cast<int>(feet.drops.size());
+  FeetEvaluation feet = EvaluateFootholds(RegionFootholds(walkable), truth, well_seen);
   EdgeErrors edges;
   for (const TrueShape& shape : ShapesOf(truth, {})) {
     const auto cells = well_seen.find(shape.polygon->id);
-    if (cells == well_seen.end()) continue;
-    EvaluateTruth(shape, cells->second, walkable, &feet);
-    edges.Add(shape, CoveredCells(shape.shape, cells->second, regions), regions);
+    if (cells != well_seen.end())
+      edges.Add(shape, CoveredCells(shape.shape, cells->second, regions), regions);
   }
   feet.edges = edges.Figures();
-  EvaluateFootholds(walkable, ground, &feet);
+  const TrueGround ground(truth);
   for (const DropSample& drop : feet.drops) {
     feet.drop_over_p100_m = std::max(feet.drop_over_p100_m.value_or(0.0), ReachPast(drop, walkable, ground));
   }

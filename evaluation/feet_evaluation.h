@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,7 +48,6 @@ struct FeetEvaluation {
 
   EdgeFigures edges;  ///< of walkable polygons, where the cell inside was well seen
 
-  int num_drop_samples = 0;
   /// The farthest that an outline reaches past a true drop at its height; none when there is no drop.
   std::optional<double> drop_over_p100_m;
 
@@ -59,6 +59,21 @@ struct FeetEvaluation {
   std::optional<double> tread_offered_pct() const;  ///< mean of the treads
   std::optional<double> tread_offered_min_pct() const;
 };
+
+/// Where a map would let a foot be set, in the true world.
+class Footholds {
+ public:
+  using Use = std::function<void(const Eigen::Vector3d& middle, bool on_tread)>;
+  virtual ~Footholds() = default;
+  /// Calls `use` with each square centimetre that is offered.
+  virtual void ForEach(const Use& use) const = 0;
+  /// Is there a foothold right above or below the point, within `height_m`?
+  virtual bool OfferAt(const Eigen::Vector3d& p, double height_m) const = 0;
+};
+
+/// What does not need outlines: support and offer.
+FeetEvaluation EvaluateFootholds(const Footholds& footholds, const TrueScene& truth,
+                                 const CellsOfPolygons& well_seen);
 
 /// @param well_seen  cells of the truth that a mapper could see well
 /// @param T_true_result  what moves the map onto the truth

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "evaluation/map_shapes.h"
+#include "evaluation/trajectory_evaluation.h"
 
 namespace terrace {
 namespace {
@@ -12,6 +13,8 @@ namespace {
 constexpr int kPixelsOfCell = 4;
 constexpr double kWellSeenRange_m = 2.5;
 constexpr int kFrames = 2;
+/// A rotation smaller than this leaves true images valid for the rectified camera.
+constexpr double kNoRotation_rad = 1e-4;
 
 }  // namespace
 
@@ -63,6 +66,23 @@ CellsOfPolygons WellSeenCells::Cells() const {
     all[id] = std::move(cells);
   }
   return all;
+}
+
+bool TrueImagesApply(const ResultCamera& camera) {
+  return Eigen::AngleAxisd(camera.R_rect_raw).angle() <= kNoRotation_rad;
+}
+
+std::optional<CellsOfPolygons> LoadWellSeenCells(const std::filesystem::path& sequence,
+                                                 const TrueScene& scene, const ResultCamera& camera,
+                                                 const std::vector<TimedPose>& true_left) {
+  const std::map<Timestamp, std::filesystem::path> labels = TrueLabelImages(sequence);
+  if (labels.empty() || !TrueImagesApply(camera)) return std::nullopt;
+  WellSeenCells well_seen(scene);
+  for (const auto& [t, path] : labels) {
+    const std::vector<PosePair> pose = MatchPoses({{t, Eigen::Isometry3d::Identity()}}, true_left);
+    if (!pose.empty()) well_seen.Add(ReadGray16Png(path), camera.camera, pose.front().T_true_left);
+  }
+  return well_seen.Cells();
 }
 
 }  // namespace terrace

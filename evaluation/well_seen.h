@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -10,6 +12,7 @@
 #include "core/camera.h"
 #include "datasets/ground_truth.h"
 #include "datasets/image_file.h"
+#include "evaluation/result_files.h"
 
 namespace terrace {
 
@@ -37,5 +40,14 @@ class WellSeenCells {
 
   std::map<int, Counts> counts_;
 };
+
+/// False when rectification turned the camera, so that true depth and label images are of another one.
+bool TrueImagesApply(const ResultCamera& camera);
+
+/// From the label images of a sequence that have a true pose of the same moment; none when there are no label
+/// images, or they do not apply. Throws FileError.
+std::optional<CellsOfPolygons> LoadWellSeenCells(const std::filesystem::path& sequence,
+                                                 const TrueScene& scene, const ResultCamera& camera,
+                                                 const std::vector<TimedPose>& true_left);
 
 }  // namespace terrace

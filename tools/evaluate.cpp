@@ -14,6 +14,7 @@
 #include "evaluation/evaluation_text.h"
 #include "evaluation/feet_picture.h"
 #include "evaluation/report.h"
+#include "evaluation/yardstick.h"
 #include "tools/commands.h"
 #include "tools/evaluate_all.h"
 
@@ -36,6 +37,7 @@ struct EvaluateArguments {
   int num_jobs = 1;
   bool no_run = false;
   bool skip_missing = false;
+  bool yardstick = false;
 };
 
 void WriteText(const std::filesystem::path& path, const std::string& text) {
@@ -60,6 +62,8 @@ void EvaluateFolder(const EvaluateArguments& arguments) {
   const ColourImage feet = evaluation.feet ? PictureOfFeet(*evaluation.feet) : ColourImage{};
   if (!feet.data.empty()) WriteFileBytes(result / "feet.png", EncodePng(feet));
   std::fputs(ToTable(evaluation).c_str(), stdout);
+  if (arguments.yardstick)
+    std::fputs(ToTable(EvaluateYardstick(result, arguments.result_and_sequence[1])).c_str(), stdout);
 }
 
 void EvaluatePair(const EvaluateArguments& arguments) {
@@ -153,6 +157,8 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_flag("--no-run", arguments->no_run, "compare the results that are already in DIR");
   command->add_flag("--skip-missing", arguments->skip_missing, "leave out sequences that are not here")
       ->needs(all);
+  command->add_flag("--yardstick", arguments->yardstick,
+                    "beside RESULT_DIR's footholds those of an elevation map, fed with its disparity images");
   command->callback([arguments] { Run(*arguments); });
 }
 

@@ -54,6 +54,18 @@ TEST(GroundTruthTrajectoryTest, MovesKittiPosesIntoTheLeftCameraThatIsUsed) {
   EXPECT_NEAR(truth.poses[3].T_world_frame.translation().z(), 2.4 - 0.0038, 1e-9);
 }
 
+TEST(GroundTruthTrajectoryTest, TakesTheCamerasOwnTrackingWhereNothingBetterIsThere) {
+  const TemporaryFolder folder;
+  WriteText(folder.path() / "zed_tracking.tum", "0.050073 1 2 3 0 0 0.70710678 0.70710678\n");
+  EXPECT_TRUE(HasTrueTrajectory(folder.path()));
+  const TrueTrajectory truth = LoadTrueTrajectory(folder.path());
+  EXPECT_EQ(truth.frame, TruthFrame::kRectifiedLeft);
+  ASSERT_EQ(truth.poses.size(), 1u);
+  EXPECT_EQ(truth.poses[0].t.ns, 50'073'000);
+  WriteText(folder.path() / "groundtruth_tum.txt", "1.0 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(LoadTrueTrajectory(folder.path()).frame, TruthFrame::kRawLeft);
+}
+
 TEST(GroundTruthTrajectoryTest, SaysWhatIsMissingOrUnreadable) {
   const TemporaryFolder folder;
   EXPECT_FALSE(HasTrueTrajectory(folder.path()));

@@ -56,7 +56,7 @@ TEST(FeetEvaluationTest, GivesPerfectMarksToTheTruth) {
   EXPECT_NEAR(*feet.offered_pct(), 100.0, kExact);
   EXPECT_NEAR(*feet.drop_over_p100_m, 0.0, kExact);
   EXPECT_NEAR(feet.edges.p95_m, 0.0, kExact);
-  EXPECT_EQ(feet.num_drop_samples, 200);  // 4 m of edge
+  EXPECT_EQ(feet.drops.size(), 200u);  // 4 m of edge
 }
 
 TEST(FeetEvaluationTest, CountsFootholdsBeyondATrueEdgeAsUnsupported) {
@@ -71,6 +71,12 @@ TEST(FeetEvaluationTest, CountsFootholdsBeyondATrueEdgeAsUnsupported) {
   constexpr double kStep_m = 1e-3;  // in which the reach is found
   EXPECT_NEAR(*feet.drop_over_p100_m, 0.10, 1.5 * kStep_m);
   EXPECT_NEAR(*feet.offered_pct(), 100.0, kExact);
+}
+
+TEST(FeetEvaluationTest, TakesTheGroundBelowADropForNoReachPastIt) {
+  TrueScene truth = Platform();
+  truth.polygons.push_back(Rectangle(2, "walkway", {1, 0, -0.051}, kX, kY, 25, 25));
+  EXPECT_NEAR(*Evaluate(MapOf(truth), truth).drop_over_p100_m, 0.0, kExact);
 }
 
 TEST(FeetEvaluationTest, CountsWhatAShortRegionDoesNotOffer) {
