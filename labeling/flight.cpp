@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace terrace {
@@ -14,6 +15,9 @@ namespace {
 constexpr double kTreadEdgeWeight = 0.3;
 /// The top and bottom of a face are worse known than the height of a level piece.
 constexpr double kFaceHeightWeight = 0.2;
+/// Of a part of a face neither is known.
+constexpr double kPartHeightWeight = 0.04;
+constexpr double kWholeFace = 0.6;  // of the rise
 
 /// Least squares of y = a + b x with weights; none when all x are equal.
 std::optional<std::pair<double, double>> FitLine(const std::vector<std::array<double, 3>>& xyw) {
@@ -63,7 +67,10 @@ std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepF
     const double weight = e.area_m2 / std::max(1e-9, area[{fit.step_index, e.riser}]);
     const double along = flight.frame->Unwrapped(e.along.low, flight.stride.EdgeAt(fit.step_index));
     if (e.riser) {
-      heights.push_back({fit.step_index - 0.5, e.z, kFaceHeightWeight * weight});
+      // Seen from below, the step in front hides a little of each face's foot, more of it the higher it is.
+      const bool whole = e.heights.length() > kWholeFace * flight.stride.rise;
+      heights.push_back({fit.step_index - (whole ? 0.0 : 0.5), whole ? e.heights.high : e.z,
+                         (whole ? kFaceHeightWeight : kPartHeightWeight) * weight});
       edges.push_back({fit.step_index - 1.0, along, weight});
     } else {
       heights.push_back({static_cast<double>(fit.step_index), e.z, weight});
@@ -91,6 +98,21 @@ void RefineFlight(const StaircaseConfig& config, Flight& flight) {
   }
   flight.fits.clear();
   flight.score = FitSteps(config, *flight.frame, flight.stride, flight.elements, &flight.fits);
+}
+
+void RefineWithin(const StaircaseConfig& config, int first, int last, int last_tread, Flight& flight) {
+  std::set<int> inside;
+  for (const StepFit& fit : flight.fits) {
+    const bool riser = flight.elements[fit.element].riser;
+    if (fit.step_index >= first && fit.step_index <= (riser ? last : last_tread)) inside.insert(fit.element);
+  }
+  Flight within = flight;
+  within.elements.clear();
+  for (const int element : inside) within.elements.push_back(flight.elements[element]);
+  within.score = 0.0;
+  RefineFlight(config, within);
+  // Fewer steps than two kinds of measure need do not determine a law.
+  if (within.fits.size() == inside.size()) flight = std::move(within);
 }
 
 std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,

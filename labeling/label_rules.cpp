@@ -244,13 +244,25 @@ Verdict LabelRules::DecideSteep(int i) const {
 std::optional<double> LabelRules::HeightOverSurroundings(int i) const {
   const RegionShape& s = *scene_.shapes[i];
   const double low_enough = config_.max_joint_height_m;
+  // Reflections and noise make up scraps below any large floor: the top of a large thing has lower ground
+  // along a good part of its outline.
+  const double least_share = s.largest_square_m >= 0.9 * config_.min_walkway_edge_m ? 0.2 : 0.0;
   std::optional<double> height;
-  for (const Eigen::Vector2d& p : s.plan.front()) {
+  double around_m = 0.0, lower_m = 0.0;
+  const PlanRing& ring = s.plan.front();
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const Eigen::Vector2d& p = ring[k];
+    const Eigen::Vector2d& before = ring[(k + ring.size() - 1) % ring.size()];
+    const Eigen::Vector2d& after = ring[(k + 1) % ring.size()];
+    const double beside_m = 0.5 * ((after - p).norm() + (p - before).norm());
+    around_m += beside_m;
     const double z = s.HeightAt(p);
     const auto ground = GroundHeight(p, z - low_enough, i);
-    if (ground && (!height || z - *ground < *height)) height = z - *ground;
+    if (!ground) continue;
+    lower_m += beside_m;
+    if (!height || z - *ground < *height) height = z - *ground;
   }
-  return height;
+  return lower_m >= least_share * around_m ? height : std::nullopt;
 }
 
 Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
