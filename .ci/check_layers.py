@@ -15,6 +15,7 @@ ALLOWED = {
     "mapping": ["core", "stereo", "odometry"],
     "polygonization": ["core", "stereo", "odometry", "mapping"],
     "labeling": ["core", "stereo", "odometry", "mapping", "polygonization"],
+    "terrain": ["core", "stereo", "odometry", "mapping", "polygonization", "labeling"],
     "lcmtypes": ["core"],
     "client": ["core", "lcmtypes"],
     "datasets": ["core", "stereo", "lcmtypes"],

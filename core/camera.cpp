@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
+
+#include "core/lens.h"
 
 namespace terrace {
 namespace {
@@ -12,45 +15,57 @@ namespace {
 constexpr double kSameIntrinsicsPx = 1e-3;
 constexpr double kSameAxis = 1e-6;
 
-void CheckRawCamera(const RawCamera& camera, const std::string& who, int width, int height,
-                    std::vector<std::string>* problems) {
-  const auto say = [&](const std::string& text) { problems->push_back(who + ": " + text); };
-  const auto number = [](double v) {
-    std::ostringstream text;
-    text << v;
-    return text.str();
-  };
-  const double largest = std::max(width, height);
-  for (const auto& [name, focal] : {std::pair{"fx", camera.fx}, std::pair{"fy", camera.fy}}) {
-    // 0.1 image widths is a view of 157 deg, 20 is one of 3 deg: nobody walks with either.
-    if (!(focal >= 0.1 * largest && focal <= 20.0 * largest)) {
-      say(std::string(name) + " = " + number(focal) + " px is outside the image's scale (" +
-          number(0.1 * largest) + " to " + number(20.0 * largest) + ")");
-    }
+std::string Decimal(double value, int digits) {
+  std::ostringstream text;
+  text.precision(digits);
+  text << value;
+  return text.str();
+}
+
+/// Distance and direction between the cameras; what is wrong with them is said as what it most likely is.
+std::string BaselineProblem(const Eigen::Vector3d& p_left_right) {
+  constexpr double kShortest = 1e-3;
+  constexpr double kLongest = 10.0;
+  const double length = p_left_right.norm();
+  if (length < kShortest || length > kLongest) {
+    std::string text = "baseline of " + Decimal(length, 6) + " m must lie between 0.001 and 10 m";
+    if (length > kLongest)
+      text += ": in millimetres it is one of " + Decimal(1e-3 * length, 4) + " m, was that the unit?";
+    return text;
   }
-  if (camera.fx > 0 && camera.fy > 0 && !(camera.fx / camera.fy > 0.5 && camera.fx / camera.fy < 2.0)) {
-    say("fx / fy = " + number(camera.fx / camera.fy) + ", must lie between 0.5 and 2");
+  const Eigen::Vector3d direction = p_left_right / length;
+  if (std::abs(direction.z()) > 0.5) {
+    return "the right camera lies " + Decimal(std::abs(p_left_right.z()), 4) + " m " +
+           (direction.z() > 0 ? "in front of" : "behind") +
+           " the left one along its optical axis: they must stand beside or above each other";
   }
-  if (!(camera.cx > -0.5 * width && camera.cx < 1.5 * width)) {
-    say("cx = " + number(camera.cx) + " lies far outside the image of width " + number(width));
+  if (direction.x() < 0.0 && -direction.x() >= std::abs(direction.y())) {
+    return "the right camera lies at x = " + Decimal(p_left_right.x(), 6) +
+           " m of the left one, must be positive: are left and right swapped?";
   }
-  if (!(camera.cy > -0.5 * height && camera.cy < 1.5 * height)) {
-    say("cy = " + number(camera.cy) + " lies far outside the image of height " + number(height));
+  return "";
+}
+
+/// How the cameras are turned against each other.
+std::string TurnProblem(const Eigen::Matrix3d& R_right_left) {
+  constexpr double kLargest = 0.5;
+  if (R_right_left.trace() >= 1.0 + 2.0 * std::cos(kLargest)) return "";
+  const auto degrees = [](double radians) { return Decimal(radians * 180.0 / M_PI, 3); };
+  const double apart = std::acos(std::clamp(R_right_left(2, 2), -1.0, 1.0));
+  if (apart <= kLargest) {
+    const double roll =
+        std::atan2(R_right_left(1, 0) - R_right_left(0, 1), R_right_left(0, 0) + R_right_left(1, 1));
+    return "the right camera is turned by " + degrees(roll) +
+           " deg about its optical axis against the left one, must be within 29 deg: turn its images and "
+           "calibrate again";
   }
-  for (const double k : camera.distortion) {
-    if (!std::isfinite(k)) say("a distortion coefficient is not a finite number");
-  }
-  const std::size_t n = camera.distortion.size();
-  if (camera.model == DistortionModel::kEquidistant ? (n != 0 && n != 4) : (n != 0 && n != 4 && n != 5)) {
-    say(number(static_cast<double>(n)) + " distortion coefficients, the model takes " +
-        (camera.model == DistortionModel::kEquidistant ? "4" : "4 or 5"));
-  }
+  return "the cameras look " + degrees(apart) + " deg apart, must be within 29 deg";
 }
 
 }  // namespace
 
 bool RawCamera::distorted() const {
-  if (model == DistortionModel::kEquidistant) return true;
+  if (model != DistortionModel::kRadialTangential) return true;
   return std::any_of(distortion.begin(), distortion.end(), [](double k) { return k != 0.0; });
 }
 
@@ -72,24 +87,19 @@ std::vector<std::string> StereoCalibration::Problems() const {
         " must lie within 16x16 and 16384x16384");
     return problems;
   }
-  CheckRawCamera(left, name + ": left camera", width, height, &problems);
-  CheckRawCamera(right, name + ": right camera", width, height, &problems);
+  for (const auto& [side, camera] : {std::pair{"left", &left}, std::pair{"right", &right}}) {
+    for (const std::string& problem : LensProblems(*camera, width, height))
+      say(std::string(side) + " camera: " + problem);
+  }
   const Eigen::Matrix3d R = T_rawright_rawleft.linear();
   const Eigen::Vector3d& t = T_rawright_rawleft.translation();
   if (!R.allFinite() || !t.allFinite() || !(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0) {
     say("the transform between the cameras is not a rotation and a translation");
     return problems;
   }
-  std::ostringstream text;
-  if (t.norm() < 1e-3 || t.norm() > 10.0) {
-    text << "baseline of " << t.norm() << " m must lie between 0.001 and 10 m";
-    say(text.str());
-  } else if (-t.x() < 0.5 * t.norm()) {
-    text << "the right camera lies at x = " << -(R.transpose() * t).x()
-         << " m of the left one, must be positive: are left and right swapped?";
-    say(text.str());
+  for (const std::string& problem : {BaselineProblem(-(R.transpose() * t)), TurnProblem(R)}) {
+    if (!problem.empty()) say(problem);
   }
-  if (R.trace() < 1.0 + 2.0 * std::cos(0.5)) say("the cameras look more than 29 deg apart");
   return problems;
 }
 

@@ -39,8 +39,22 @@ struct StereoCamera {
   }
 };
 
-/// How one raw lens bends rays.
-enum class DistortionModel { kRadialTangential, kEquidistant };
+/// How one raw lens bends rays; the equations are in `lens_models.cpp`.
+enum class DistortionModel {
+  kRadialTangential,  ///< OpenCV's: k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [tau_x tau_y]]]], or none
+  kEquidistant,       ///< Kannala-Brandt, OpenCV's fisheye: k1 k2 k3 k4, or none
+  kOmni,              ///< unified sphere of Mei, as camodocal, Kalibr and OpenCV's omnidir: xi k1 k2 p1 p2
+  kDoubleSphere,      ///< xi alpha
+  kExtendedUnified,   ///< alpha beta
+  kFieldOfView,       ///< w [rad]
+  /// OCamCalib: b1 b2 b3 b4, d e c. In units of the focal length: the ray is (m, 1 + b1 |m| + ... + b4 |m|^4)
+  /// and the pixel f * [1 d; e c] * m beside the centre.
+  kPolynomial,
+};
+/// "radial-tangential", "equidistant", "omni", "double-sphere", "extended-unified", "field-of-view",
+/// "polynomial".
+const char* Name(DistortionModel model);
+std::optional<DistortionModel> DistortionModelFromName(const std::string& name);
 
 /// One raw camera, as calibration tools give it.
 struct RawCamera {
@@ -49,8 +63,7 @@ struct RawCamera {
   double cx = 0.0;  ///< px
   double cy = 0.0;  ///< px
   DistortionModel model = DistortionModel::kRadialTangential;
-  /// k1 k2 p1 p2 [k3], or k1 k2 k3 k4 of the equidistant model; empty or zeros: none.
-  std::vector<double> distortion;
+  std::vector<double> distortion;  ///< as the model orders them
 
   bool distorted() const;
 };
@@ -70,7 +83,8 @@ struct StereoCalibration {
   int height = 0;
   RawCamera left;
   RawCamera right;
-  /// p_rawright = T_rawright_rawleft * p_rawleft; the right camera's centre lies at +x of the left one.
+  /// p_rawright = T_rawright_rawleft * p_rawleft; the right camera's centre lies at +x of the left one, or
+  /// above or below it.
   Eigen::Isometry3d T_rawright_rawleft = Eigen::Isometry3d::Identity();
   /// Body from the raw left camera; none: no body is known.
   std::optional<Eigen::Isometry3d> T_body_rawleft;

@@ -4,6 +4,7 @@
 #include "core/check.h"
 #include "core/landmark_sightings.h"
 #include "core/pose_estimate.h"
+#include "core/reason_code.h"
 #include "core/status.h"
 #include "core/terrain_map.h"
 
@@ -19,6 +20,15 @@ const char* NameIn(const std::array<const char*, N>& names, Enum value) {
 
 constexpr std::array<const char*, kNumTerrainLabels> kLabelNames = {
     "unknown", "walkway", "ramp", "stair_tread", "stair_riser", "wall", "obstacle", "level"};
+constexpr std::array<const char*, kNumEdgeKinds> kEdgeKindNames = {"limit", "drop", "rise", "joins"};
+
+template <typename Enum, std::size_t N>
+std::optional<Enum> ValueIn(const std::array<const char*, N>& names, const std::string& name) {
+  for (std::size_t i = 0; i < N; ++i) {
+    if (name == names[i]) return static_cast<Enum>(i);
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -34,6 +44,14 @@ const char* Name(LandmarkFate fate) {
   return NameIn(std::array<const char*, 3>{"agrees", "rejected", "created"}, fate);
 }
 
+const char* Name(ReasonCode code) {
+  return NameIn(
+      std::array<const char*, kNumReasonCodes>{"none", "other", "unreadable images", "few features",
+                                               "not found again", "ambiguous motion", "no images",
+                                               "no calibration", "bad calibration", "input trouble"},
+      code);
+}
+
 const char* Name(DaemonState state) {
   return NameIn(std::array<const char*, 7>{"starting", "running", "degraded", "paused", "no input",
                                            "no calibration", "stopping"},
@@ -43,10 +61,13 @@ const char* Name(DaemonState state) {
 const char* Name(TerrainLabel label) { return NameIn(kLabelNames, label); }
 
 std::optional<TerrainLabel> TerrainLabelFromName(const std::string& name) {
-  for (std::size_t i = 0; i < kLabelNames.size(); ++i) {
-    if (name == kLabelNames[i]) return static_cast<TerrainLabel>(i);
-  }
-  return std::nullopt;
+  return ValueIn<TerrainLabel>(kLabelNames, name);
+}
+
+const char* Name(EdgeKind kind) { return NameIn(kEdgeKindNames, kind); }
+
+std::optional<EdgeKind> EdgeKindFromName(const std::string& name) {
+  return ValueIn<EdgeKind>(kEdgeKindNames, name);
 }
 
 }  // namespace terrace

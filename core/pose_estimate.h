@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "core/geometry.h"
+#include "core/reason_code.h"
 #include "core/time.h"
 
 namespace terrace {
@@ -23,8 +24,15 @@ struct PoseEstimate {
   FrameId frame_id = 0;  ///< the frame this belongs to
   Timestamp t_capture;   ///< middle of the exposure
   TrackingStatus status = TrackingStatus::kLost;
+  /// Whether a map may be built on this pose: the images have shown where the camera is, and nothing speaks
+  /// against it. Decided by the odometry; what else is said about the pose is for people.
+  bool trusted = false;
   /// Why bridging or lost; while tracking, why the pose is in doubt. Empty when all is well.
   std::string reason;
+  ReasonCode reason_code = ReasonCode::kNone;  ///< the same for programs
+  /// How often the world has begun anew. Poses of different epochs have nothing to do with each other: each
+  /// has its own first pose, and the covariance is against that.
+  int epoch = 0;
   Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
   /// Of the error of T_world_left against the first published pose: rotation [rad], translation [m]; left
   /// frame.

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/pose_estimate.h"
+#include "core/reason_code.h"
 #include "core/time.h"
 
 namespace terrace {
@@ -35,6 +37,16 @@ struct StageStatus {
   double max_ms = 0.0;
 };
 
+/// How one input fared. Counts run from the start of the daemon, the rate is over the last window.
+struct InputStatus {
+  std::string name;     ///< images, calibration, imu, body_prior, body_pose, command
+  std::string channel;  ///< on which it is expected
+  std::int64_t num_messages = 0;
+  std::int64_t num_bad = 0;  ///< of those: no message of this type, or values that cannot be meant
+  double rate_hz = 0.0;
+  std::optional<double> age_ms;  ///< since the newest arrived; none: nothing has
+};
+
 /// What the daemon says about itself, once a second.
 struct Status {
   Timestamp t;
@@ -48,6 +60,10 @@ struct Status {
   GravitySource gravity_source = GravitySource::kAssumed;
   double window_s = 1.0;
   std::string reason;  ///< why degraded, bridging or lost; empty = well
+  ReasonCode reason_code = ReasonCode::kNone;
+  std::int64_t map_id = 0;   ///< as in TerrainMap; 0: there is no map yet
+  std::int64_t map_seq = 0;  ///< newest state of the map that is out
+  int epoch = 0;             ///< jumps of the world so far
   double fps_in = 0.0;
   double fps_out = 0.0;
   double age_p50_ms = 0.0;  ///< image time to terrain sent
@@ -69,6 +85,7 @@ struct Status {
   std::int64_t map_bytes = 0;
   std::int64_t rss_bytes = 0;
   double cpu = 0.0;  ///< cores in use
+  std::vector<InputStatus> inputs;
   std::vector<StageStatus> stages;
 };
 

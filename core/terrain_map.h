@@ -31,13 +31,34 @@ inline constexpr int kNumTerrainLabels = 8;
 const char* Name(TerrainLabel label);  ///< "walkway", "stair_tread", ...
 std::optional<TerrainLabel> TerrainLabelFromName(const std::string& name);
 
-/// What lies beyond one edge of a region's outline.
+/// What lies beyond one edge of a region's outline. The numbers are those of region_v1_t.
 enum class EdgeKind : std::int8_t {
   kLimitOfView = 0,  ///< nothing known beyond
   kDrop = 1,
   kRise = 2,   ///< an upright face stands on it
   kJoins = 3,  ///< another region continues here
 };
+inline constexpr int kNumEdgeKinds = 4;
+const char* Name(EdgeKind kind);  ///< "limit", "drop", "rise", "joins"
+std::optional<EdgeKind> EdgeKindFromName(const std::string& name);
+
+/// One edge of a region's outline or hole, from the vertex that it belongs to to the next.
+struct RegionEdge {
+  EdgeKind kind = EdgeKind::kLimitOfView;
+  std::optional<double>
+      step_m;  ///< height of what lies beyond over the edge, negative: lower; none: not known
+  std::optional<double> sigma_m;  ///< of step_m; none: not known
+
+  friend bool operator==(const RegionEdge&, const RegionEdge&) = default;
+};
+
+/// How a region is known. The numbers are those of region_v1_t.
+enum class RegionSource : std::int8_t {
+  kSeen = 0,
+  kPredicted = 1,  ///< not seen, inferred: a missing step of a staircase
+  kFeet = 2,       ///< felt by the robot's feet
+};
+inline constexpr int kNumRegionSources = 3;
 
 /// One planar piece of terrain. Immutable once it is in a map; a change makes a new revision.
 struct TerrainRegion {
@@ -45,24 +66,27 @@ struct TerrainRegion {
   int revision = 0;     ///< +1 whenever anything below changes
   TerrainLabel label = TerrainLabel::kUnknown;
   double confidence = 0.0;  ///< of the label, 0..1
-  std::array<double, kNumTerrainLabels> label_probability{};
+  std::string why;          ///< what keeps the region undecided; empty: nothing does
   Plane plane_world;
-  /// Tilt about x, tilt about y [rad], offset along the normal [m], about the centroid with the axes of
+  /// Tilt about x, tilt about y [rad], offset along the normal [m], about `centroid_world` with the axes of
   /// AxesOf(normal).
   Eigen::Matrix3d plane_covariance = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d centroid_world = Eigen::Vector3d::Zero();  ///< in the plane
   double rms_m = 0.0;
   double area_m2 = 0.0;           ///< outline less holes
   Ring outline_world;             ///< counter-clockwise seen from where the normal points; simple
   std::vector<Ring> holes_world;  ///< clockwise, inside the outline; simple
-  /// Of the edge that starts at each vertex, outline first, then the holes; empty: all kLimitOfView.
-  std::vector<EdgeKind> edge_kinds;
-  double support = 0.0;    ///< share of the area with observed points, 0..1
-  bool predicted = false;  ///< not seen, inferred
+  /// The edge that starts at each vertex, outline first, then the holes; empty: all kLimitOfView.
+  std::vector<RegionEdge> edges;
+  double support = 0.0;  ///< share of the area with observed points, 0..1
+  RegionSource source = RegionSource::kSeen;
   int num_observations = 0;
   Timestamp first_seen;
   Timestamp last_seen;
   std::optional<std::int64_t> staircase_id;
   std::optional<int> step_index;  ///< riser 1 is the lowest, tread 1 lies above riser 1
+
+  bool predicted() const { return source == RegionSource::kPredicted; }
 };
 
 /// A flight of steps; straight, or turning about an axis.
@@ -93,7 +117,11 @@ struct TerrainMap {
   Timestamp t_capture;                                             ///< newest image included
   std::int64_t seq = 0;                                            ///< +1 whenever something below changes
   std::int64_t map_id = 1;                                         ///< new value whenever the map is cleared
+  int epoch = 0;                                                   ///< jumps of the world so far
   Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();  ///< of that image
+  Matrix6d covariance = Matrix6d::Zero();                          ///< of T_world_left, as in PoseEstimate
+  /// Where the camera sits on the robot; none: no body is known.
+  std::optional<Eigen::Isometry3d> T_body_left;
   Gravity gravity;
   std::vector<std::shared_ptr<const TerrainRegion>> regions;  ///< ascending by id
   std::vector<Staircase> staircases;                          ///< ascending by id

@@ -56,16 +56,17 @@ class Binding {
   explicit Binding(Config* config) {
     PipelineConfig& p = config->pipeline;
     Bind("pipeline", &p.flow);
+    Bind("stereo", &p.rectifier);
     Bind("stereo", &p.stereo);
     Bind("odometry", &p.odometry);
     // One section for both: a user limits the range of the map, wherever that happens.
-    Bind("mapping", &p.cloud);
-    Bind("mapping", &p.mapping);
-    Bind("modelling", &p.modelling);
-    Bind("merging", &p.merging);
-    Bind("labeling", &p.labeling);
-    Bind("staircases", &p.staircases);
-    Bind("robot", &p.robot);
+    Bind("mapping", &p.terrain.cloud);
+    Bind("mapping", &p.terrain.mapping);
+    Bind("modelling", &p.terrain.modelling);
+    Bind("merging", &p.terrain.merging);
+    Bind("labeling", &p.terrain.labeling);
+    Bind("staircases", &p.terrain.staircases);
+    Bind("robot", &p.terrain.robot);
     Bind("lcm", &config->live);
     Bind("channels", &config->channels);
   }

@@ -54,7 +54,8 @@ class LiveMapper {
              lcm::LCM* lcm, StatusReporter* reporter)
       : reporter_(reporter),
         pipeline_(config.pipeline, calibration,
-                  LoadSelfMask(config.pipeline.robot.self_mask_png, calibration)),
+                  LoadSelfMask(config.pipeline.terrain.robot.self_mask_png,
+                               RectifiedSize(calibration, config.pipeline.rectifier))),
         publisher_(lcm, config.channels, pipeline_.T_body_left(), config.live.snapshot_period_s),
         threads_(&pipeline_, WhenFull::kDropOldest,
                  [this](const SensorFrame&, const FrameResult& result) { TakeResult(result); }) {
@@ -94,14 +95,13 @@ class LiveMapper {
  private:
   void TakeResult(const FrameResult& result) {
     for (const std::string& warning : result.warnings) spdlog::warn("{}", warning);
-    pipeline_.meters()["publish"].Run([&] {
-      publisher_.Publish(result.pose, result.map);
-      const double latency_ms = handovers_.LatencyMs(result.pose.t_capture);
-      reporter_->AddResult(result, AgeMs(result.pose.t_capture, latency_ms));
-      if (writer_) writer_->AddFrame(result, latency_ms);
-      const std::lock_guard lock(mutex_);
-      map_ = result.map;
-    });
+    const StageMeasurement measuring(&pipeline_.meters(), StageId::kPublish);
+    publisher_.Publish(result.pose, result.change.map);
+    const double latency_ms = handovers_.LatencyMs(result.pose.t_capture);
+    reporter_->AddResult(result, AgeMs(result.pose.t_capture, latency_ms));
+    if (writer_) writer_->AddFrame(result, latency_ms);
+    const std::lock_guard lock(mutex_);
+    map_ = result.change.map;
   }
 
   StatusReporter* const reporter_;

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "core/check.h"
-#include "labeling/gravity_from_planes.h"
-#include "stereo/cloud.h"
 
 namespace terrace {
 namespace {
@@ -20,20 +18,6 @@ Mounting MountingOf(const StereoCalibration& calibration, const Eigen::Matrix3d&
   mounting.T_body_left = *calibration.T_body_rawleft * T_rawleft_left;
   if (calibration.T_body_imu) mounting.T_left_imu = mounting.T_body_left->inverse() * *calibration.T_body_imu;
   return mounting;
-}
-
-/// Ids of regions that are new or have another revision in `after`, and of those that are gone. Both maps
-/// ascend by id.
-void CompareMaps(const TerrainMap& before, const TerrainMap& after, FrameResult* result) {
-  auto old = before.regions.begin();
-  for (const auto& region : after.regions) {
-    for (; old != before.regions.end() && (*old)->id < region->id; ++old)
-      result->removed.push_back((*old)->id);
-    const bool known = old != before.regions.end() && (*old)->id == region->id;
-    if (!known || (*old)->revision != region->revision) result->changed.push_back(region->id);
-    if (known) ++old;
-  }
-  for (; old != before.regions.end(); ++old) result->removed.push_back((*old)->id);
 }
 
 }  // namespace
@@ -50,24 +34,16 @@ std::vector<std::string> FlowConfig::Problems() const {
 Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibration,
                    const cv::Mat1b& self_mask)
     : config_(config),
-      rectifier_(calibration),
+      rectifier_(calibration, config.rectifier),
       mounting_(MountingOf(calibration, rectifier_.R_rect_raw())),
       self_mask_(self_mask),
       matcher_(config.stereo),
       odometry_(config.odometry, rectifier_.camera(), mounting_),
-      modeller_(config.modelling),
+      mapper_(config.terrain, rectifier_.camera(), mounting_.T_body_left, &meters_),
       gravity_hints_(config.flow.feedback_lag_frames),
       disparity_priors_(config.flow.feedback_lag_frames) {
   TERRACE_CHECK(self_mask.empty() || (self_mask.cols == camera().width && self_mask.rows == camera().height),
                 self_mask.cols, self_mask.rows);
-  StartMap(1);
-}
-
-void Pipeline::StartMap(std::int64_t map_id) {
-  octree_ = std::make_unique<TerrainOctree>(config_.mapping, camera());
-  merger_ = std::make_unique<PolygonMerger>(config_.merging);
-  labeler_ = std::make_unique<TerrainLabeler>(config_.labeling, config_.staircases, config_.robot, camera(),
-                                              mounting_.T_body_left, map_id);
 }
 
 FrameResult Pipeline::Process(const SensorFrame& sensors) {
@@ -79,67 +55,57 @@ FrameResult Pipeline::Process(const SensorFrame& sensors) {
 
 StereoFramePtr Pipeline::Rectify(const SensorFrame& sensors) {
   if (!sensors.pair.problem.empty()) return nullptr;
-  return meters_["rectify"].Run([&] {
-    return std::make_shared<const StereoFrame>(rectifier_.Rectify(sensors.frame_id, sensors.pair));
-  });
+  const StageMeasurement measuring(&meters_, StageId::kRectify);
+  return std::make_shared<const StereoFrame>(rectifier_.Rectify(sensors.frame_id, sensors.pair));
 }
 
 std::shared_ptr<const DisparityImage> Pipeline::Match(const StereoFramePtr& frame) {
   if (!frame) return nullptr;
   std::shared_ptr<const DisparityPrior> prior;
   if (config_.stereo.use_prior) prior = disparity_priors_.Take(frame->frame_id);
-  return meters_["disparity"].Run(
-      [&] { return std::make_shared<const DisparityImage>(matcher_.Match(*frame, prior.get())); });
+  const StageMeasurement measuring(&meters_, StageId::kDisparity);
+  return std::make_shared<const DisparityImage>(matcher_.Match(*frame, prior.get()));
 }
 
 TrackedPose Pipeline::Track(const SensorFrame& sensors, const StereoFramePtr& frame) {
   const std::optional<GravityHint> gravity_hint = gravity_hints_.Take(sensors.frame_id);
-  return meters_["odometry"].Run([&] {
-    if (gravity_hint) odometry_.Apply(*gravity_hint);
-    const PoseEstimate pose = frame ? odometry_.Track(*frame, sensors.samples)
-                                    : odometry_.Bridge(sensors.frame_id, sensors.pair.t_capture,
-                                                       sensors.samples, sensors.pair.problem);
-    const std::vector<std::string>& all = odometry_.warnings();
-    std::vector<std::string> warnings(all.begin() + static_cast<std::ptrdiff_t>(num_warnings_), all.end());
-    num_warnings_ = all.size();
-    return TrackedPose{pose, odometry_.gravity(), odometry_.sightings(), frame, std::move(warnings)};
-  });
+  const StageMeasurement measuring(&meters_, StageId::kOdometry);
+  if (gravity_hint) odometry_.Apply(*gravity_hint);
+  const PoseEstimate pose = frame ? odometry_.Track(*frame, sensors.samples)
+                                  : odometry_.Bridge(sensors.frame_id, sensors.pair.t_capture,
+                                                     sensors.samples, sensors.pair.problem);
+  const std::vector<std::string>& all = odometry_.warnings();
+  std::vector<std::string> warnings(all.begin() + static_cast<std::ptrdiff_t>(num_warnings_), all.end());
+  num_warnings_ = all.size();
+  return {pose, odometry_.gravity(), odometry_.sightings(), frame, std::move(warnings)};
 }
 
 FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity,
                           const TrackedPose& tracked) {
+  // The map of another world has no place in this one.
+  const bool new_world = std::exchange(epoch_, tracked.pose.epoch) != tracked.pose.epoch;
+  if (reset_requested_.exchange(false) || new_world) mapper_.Reset();
+  // A pose that is bridged or in doubt is a guess: it tells the robot where it is, but nothing is built on
+  // it.
+  const bool mapped = tracked.pose.trusted && disparity;
   FrameResult result;
   result.pose = tracked.pose;
+  result.change = mapped ? mapper_.Update({*disparity, camera(), self_mask_}, tracked.pose, tracked.gravity)
+                         : mapper_.Unchanged();
   result.frame = tracked.frame;
   result.disparity = disparity;
   result.sightings = tracked.sightings;
   result.warnings = tracked.warnings;
-  const TerrainMapPtr before = labeler_->map();
-  if (reset_requested_.exchange(false)) StartMap(before->map_id + 1);
-  std::optional<GravityHint> gravity_hint;
-  std::shared_ptr<const DisparityPrior> disparity_prior;
-  // A pose that is bridged or in doubt is a guess: it tells the robot where it is, but nothing is built on
-  // it.
-  if (tracked.pose.status == TrackingStatus::kTracking && tracked.pose.reason.empty() && disparity) {
-    const ChangedCells cells = meters_["decomposition"].Run([&] {
-      if (config_.stereo.use_prior) disparity_prior = ExpectDisparities(*disparity, tracked.pose);
-      const Cloud cloud = Triangulate(*disparity, camera(), config_.cloud, self_mask_);
-      return octree_->Insert(cloud, tracked.pose);
-    });
-    const PatchUpdate patches = meters_["modelling"].Run([&] { return modeller_.Fit(*octree_, cells); });
-    const PolygonUpdate polygons = meters_["merging"].Run([&] { return merger_->Merge(patches); });
-    meters_["labels"].Run([&] { return labeler_->Label(polygons, tracked.pose, tracked.gravity); });
-    gravity_hint = GravityFromPlanes(polygons, tracked.pose, tracked.gravity);
-  }
-  gravity_hints_.Post(tracked.pose.frame_id, gravity_hint);
-  if (config_.stereo.use_prior) disparity_priors_.Post(tracked.pose.frame_id, std::move(disparity_prior));
-  if (tracked.pose.status == TrackingStatus::kTracking) last_tracked_ = tracked.pose;
-
-  result.map = labeler_->map();
-  CompareMaps(*before, *result.map, &result);
-  result.map_cells = octree_->num_occupied_leaves();
-  result.map_bytes = octree_->memory_bytes() + merger_->memory_bytes();
+  PostLessons(disparity.get(), tracked, mapped);
   return result;
+}
+
+void Pipeline::PostLessons(const DisparityImage* disparity, const TrackedPose& tracked, bool mapped) {
+  gravity_hints_.Post(tracked.pose.frame_id, mapped ? mapper_.gravity_hint() : std::nullopt);
+  if (config_.stereo.use_prior)
+    disparity_priors_.Post(tracked.pose.frame_id,
+                           mapped ? ExpectDisparities(*disparity, tracked.pose) : nullptr);
+  if (tracked.pose.status == TrackingStatus::kTracking) last_tracked_ = tracked.pose;
 }
 
 std::shared_ptr<const DisparityPrior> Pipeline::ExpectDisparities(const DisparityImage& disparity,

@@ -12,20 +12,17 @@
 
 #include "core/camera.h"
 #include "core/landmark_sightings.h"
+#include "core/map_change.h"
 #include "core/pose_estimate.h"
 #include "core/sensor_frame.h"
-#include "core/terrain_map.h"
+#include "core/stage_meter.h"
 #include "daemon/feedback.h"
 #include "daemon/pipeline_config.h"
-#include "daemon/stage_meter.h"
-#include "labeling/terrain_labeler.h"
-#include "mapping/terrain_octree.h"
 #include "odometry/visual_odometry.h"
-#include "polygonization/cell_modeller.h"
-#include "polygonization/polygon_merger.h"
 #include "stereo/disparity_matcher.h"
 #include "stereo/rectifier.h"
 #include "stereo/stereo_frame.h"
+#include "terrain/terrain_mapper.h"
 
 namespace terrace {
 
@@ -40,13 +37,9 @@ struct TrackedPose {
 
 /// What one frame led to.
 struct FrameResult {
-  PoseEstimate pose;                  ///< always, also when lost
-  TerrainMapPtr map;                  ///< shared and never edited; never null
-  std::vector<std::int64_t> changed;  ///< ids of regions that are new or have a new revision, ascending
-  std::vector<std::int64_t> removed;  ///< ids of regions that are gone, ascending
-  std::int64_t map_cells = 0;         ///< occupied leaves
-  std::int64_t map_bytes = 0;         ///< heap of octree and regions
-  StereoFramePtr frame;               ///< rectified; null when the images could not be used
+  PoseEstimate pose;                                ///< always, also when lost
+  MapChange change;                                 ///< with the map after the frame
+  StereoFramePtr frame;                             ///< rectified; null when the images could not be used
   std::shared_ptr<const DisparityImage> disparity;  ///< likewise
   FrameSightings sightings;                         ///< landmarks of the odometry
   std::vector<std::string> warnings;                ///< for the user, new with this frame, a sentence each
@@ -80,26 +73,24 @@ class Pipeline {
   void CloseFeedback();
 
  private:
-  void StartMap(std::int64_t map_id);
   /// Of the frame that will use it; null where the motion is not known.
   std::shared_ptr<const DisparityPrior> ExpectDisparities(const DisparityImage& disparity,
                                                           const PoseEstimate& pose) const;
+  void PostLessons(const DisparityImage* disparity, const TrackedPose& tracked, bool mapped);
 
   PipelineConfig config_;
+  StageMeters meters_;
   Rectifier rectifier_;
   Mounting mounting_;
   cv::Mat1b self_mask_;
   DisparityMatcher matcher_;
   VisualOdometry odometry_;
-  std::unique_ptr<TerrainOctree> octree_;
-  CellModeller modeller_;
-  std::unique_ptr<PolygonMerger> merger_;
-  std::unique_ptr<TerrainLabeler> labeler_;
+  TerrainMapper mapper_;
   std::size_t num_warnings_ = 0;  // of the odometry, given out so far; of the thread that tracks
   FeedbackExchange<std::optional<GravityHint>> gravity_hints_;
   FeedbackExchange<std::shared_ptr<const DisparityPrior>> disparity_priors_;  // only with stereo.use_prior
   std::optional<PoseEstimate> last_tracked_;                                  // of the thread that maps
-  StageMeters meters_;
+  int epoch_ = 0;  // of the thread that maps
   std::atomic<bool> reset_requested_{false};
 };
 

@@ -53,7 +53,7 @@ class ReplayPublisher {
   }
 
   void Publish(const FrameResult& result, std::optional<double> latency_ms) {
-    publisher_.Publish(result.pose, result.map);
+    publisher_.Publish(result.pose, result.change.map);
     reporter_.AddFrameIn();
     reporter_.AddResult(result, latency_ms.value_or(0.0));
     if (Clock::now() < status_due_) return;
@@ -85,7 +85,8 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
 
   Pipeline pipeline(config.pipeline, info.calibration,
-                    LoadSelfMask(config.pipeline.robot.self_mask_png, info.calibration));
+                    LoadSelfMask(config.pipeline.terrain.robot.self_mask_png,
+                                 RectifiedSize(info.calibration, config.pipeline.rectifier)));
   PrepareOutputFolder(options.output, options.overwrite);
   ResultWriter writer(options.output, {pipeline.camera(), pipeline.R_rect_raw(), pipeline.T_body_left()},
                       options.save_disparity_every);
@@ -101,19 +102,21 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
 
   const auto sink = [&](const SensorFrame&, const FrameResult& result) {
     for (const std::string& warning : result.warnings) spdlog::warn("{}", warning);
-    pipeline.meters()["publish"].Run([&] {
+    {
+      const StageMeasurement measuring(&pipeline.meters(), StageId::kPublish);
       const auto latency_ms =
           options.realtime ? std::optional(handovers.LatencyMs(result.pose.t_capture)) : std::nullopt;
       if (publisher) publisher->Publish(result, latency_ms);
       writer.AddFrame(result, latency_ms);
       if (tracks) tracks->AddFrame(result);
-    });
+    }
     summary.AddFrame(result);
     progress.Update(writer.num_frames(), Name(result.pose.status));
   };
   const auto next_frame = [&]() -> std::optional<SensorFrame> {
     if (Interrupted()) return std::nullopt;
-    return pipeline.meters()["load"].Run([&] { return sequence->Next(); });
+    const StageMeasurement measuring(&pipeline.meters(), StageId::kLoad);
+    return sequence->Next();
   };
 
   std::int64_t num_dropped = 0;

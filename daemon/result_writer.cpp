@@ -43,6 +43,24 @@ Json OrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
+/// One list a ring, outline first. Of a region without edges nothing is known beyond any.
+Json EdgesJson(const TerrainRegion& region) {
+  Json rings = Json::array();
+  std::size_t next = 0;
+  const auto add = [&](const Ring& ring) {
+    Json edges = Json::array();
+    for (std::size_t i = 0; i < ring.size(); ++i, ++next) {
+      const RegionEdge edge = next < region.edges.size() ? region.edges[next] : RegionEdge{};
+      edges.push_back(
+          {{"kind", Name(edge.kind)}, {"step_m", OrNull(edge.step_m)}, {"sigma_m", OrNull(edge.sigma_m)}});
+    }
+    rings.push_back(std::move(edges));
+  };
+  add(region.outline_world);
+  for (const Ring& hole : region.holes_world) add(hole);
+  return rings;
+}
+
 Json RegionJson(const TerrainRegion& region) {
   Json holes = Json::array();
   for (const Ring& hole : region.holes_world) holes.push_back(RingJson(hole));
@@ -59,7 +77,10 @@ Json RegionJson(const TerrainRegion& region) {
           {"staircase", OrNull(region.staircase_id)},
           {"step_index", OrNull(region.step_index)},
           {"first_seen_ns", region.first_seen.ns},
-          {"last_seen_ns", region.last_seen.ns}};
+          {"last_seen_ns", region.last_seen.ns},
+          {"predicted", region.predicted()},
+          {"why", region.why},
+          {"edges", EdgesJson(region)}};
 }
 
 Json StaircaseJson(const Staircase& staircase) {
@@ -191,10 +212,11 @@ void ResultWriter::AddFrame(const FrameResult& result, std::optional<double> lat
                      {"reason", pose.reason},
                      {"covariance", covariance},
                      {"latency_ms", OrNull(latency_ms)},
-                     {"map_cells", result.map_cells},
-                     {"regions", result.map->regions.size()}};
+                     {"map_cells", result.change.map_cells},
+                     {"regions", result.change.map->regions.size()},
+                     {"epoch", pose.epoch}};
   frames_ << line.dump() << '\n';
-  AddStaircases(*result.map);
+  AddStaircases(*result.change.map);
   if (save_disparity_every_ > 0 && num_frames_ % save_disparity_every_ == 0 && result.disparity) {
     WriteDisparity(*result.disparity);
   }
@@ -203,9 +225,9 @@ void ResultWriter::AddFrame(const FrameResult& result, std::optional<double> lat
   num_tracking_ += pose.status == TrackingStatus::kTracking;
   num_bridging_ += pose.status == TrackingStatus::kBridging;
   num_lost_ += lost;
-  map_cells_ = result.map_cells;
-  map_bytes_ = result.map_bytes;
-  map_ = result.map;
+  map_cells_ = result.change.map_cells;
+  map_bytes_ = result.change.map_bytes;
+  map_ = result.change.map;
 }
 
 void ResultWriter::AddStaircases(const TerrainMap& map) {

@@ -6,7 +6,7 @@
 
 namespace terrace {
 
-cv::Mat1b LoadSelfMask(const std::string& png, const StereoCalibration& calibration) {
+cv::Mat1b LoadSelfMask(const std::string& png, std::pair<int, int> size) {
   if (png.empty()) return {};
   GrayImage image;
   try {
@@ -14,10 +14,10 @@ cv::Mat1b LoadSelfMask(const std::string& png, const StereoCalibration& calibrat
   } catch (const std::exception& error) {
     throw ConfigError("robot.self_mask_png = " + png + ": " + error.what());
   }
-  if (image.width != calibration.width || image.height != calibration.height) {
+  if (std::pair(image.width, image.height) != size) {
     throw ConfigError("robot.self_mask_png = " + png + " is " + std::to_string(image.width) + "x" +
-                      std::to_string(image.height) + ", the camera's images are " +
-                      std::to_string(calibration.width) + "x" + std::to_string(calibration.height));
+                      std::to_string(image.height) + ", the rectified images are " +
+                      std::to_string(size.first) + "x" + std::to_string(size.second));
   }
   cv::Mat1b mask(image.height, image.width);
   std::copy(image.data.begin(), image.data.end(), mask.begin());

@@ -93,16 +93,16 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
   status.rms_px = last_.pose.rms_px;
   status.vertical_disparity_px = last_.pose.vertical_disparity_px;
   if (last_.disparity) status.dense_ratio = DenseRatio(*last_.disparity);
-  if (last_.map) {
-    status.gravity_source = last_.map->gravity.source;
-    status.num_regions = static_cast<int>(last_.map->regions.size());
+  if (last_.change.map) {
+    status.gravity_source = last_.change.map->gravity.source;
+    status.num_regions = static_cast<int>(last_.change.map->regions.size());
     if (state == DaemonState::kRunning &&
         (last_.pose.status != TrackingStatus::kTracking || !last_.pose.reason.empty())) {
       status.state = DaemonState::kDegraded;
     }
   }
-  status.num_octree_nodes = last_.map_cells;
-  status.map_bytes = last_.map_bytes;
+  status.num_octree_nodes = last_.change.map_cells;
+  status.map_bytes = last_.change.map_bytes;
   status.rss_bytes = ResidentBytes();
   status.cpu = (cpu_s - cpu_s_) / window_s;
   if (meters != nullptr) status.stages = meters->TakeWindows();

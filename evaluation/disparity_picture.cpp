@@ -15,6 +15,13 @@ namespace {
 constexpr float kWorst_px = 2.0F;
 constexpr float kBrightestError = 200.0F;  // of a value that is not called wrong
 
+std::string DataUri(const std::string& type, const std::vector<std::uint8_t>& bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
+  text.resize(static_cast<std::size_t>(EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                                                       bytes.data(), static_cast<int>(bytes.size()))));
+  return "data:image/" + type + ";base64," + text;
+}
+
 }  // namespace
 
 GrayImage PictureOfErrors(const FloatImage& disparity_px, const DisparityTruth& truth) {
@@ -43,12 +50,10 @@ GrayImage PictureOfErrors(const FloatImage& disparity_px, const DisparityTruth& 
 
 std::string JpegUri(const GrayImage& image) {
   constexpr int kQuality = 85;
-  const std::vector<std::uint8_t> bytes = EncodeJpeg(image, kQuality);
-  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
-  text.resize(static_cast<std::size_t>(EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
-                                                       bytes.data(), static_cast<int>(bytes.size()))));
-  return "data:image/jpeg;base64," + text;
+  return DataUri("jpeg", EncodeJpeg(image, kQuality));
 }
+
+std::string PngUri(const std::vector<std::uint8_t>& file) { return DataUri("png", file); }
 
 std::string EmbeddedImage(const GrayImage& image, const std::string& description) {
   return "<img alt=\"" + EscapeMarkup(description) + "\" src=\"" + JpegUri(image) + "\">";

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "evaluation/disparity_truth.h"
 
@@ -14,6 +16,8 @@ GrayImage PictureOfErrors(const FloatImage& disparity_px, const DisparityTruth& 
 
 /// An image as a URI that holds it whole.
 std::string JpegUri(const GrayImage& image);
+/// The bytes of a PNG file as such a URI.
+std::string PngUri(const std::vector<std::uint8_t>& file);
 /// An image as an HTML element that needs no other file.
 std::string EmbeddedImage(const GrayImage& image, const std::string& description);
 

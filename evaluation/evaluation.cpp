@@ -57,6 +57,27 @@ void KeepExample(Timestamp t_capture, const FloatImage& disparity_px, const Disp
     evaluation->worst = {t_capture, bad_pct, PictureOfErrors(disparity_px, truth)};
 }
 
+bool RectificationTurns(const ResultCamera& camera) {
+  return Eigen::AngleAxisd(camera.R_rect_raw).angle() > kNoRotation_rad;
+}
+
+/// The cells that the frames with a true label image and a true pose of the same moment saw well.
+CellsOfPolygons FindWellSeenCells(const ResultCamera& camera, const fs::path& sequence,
+                                  const TrueScene& scene, const std::vector<TimedPose>& true_left,
+                                  std::vector<std::string>* notes) {
+  const std::map<Timestamp, fs::path> labels = TrueLabelImages(sequence);
+  if (labels.empty() || RectificationTurns(camera)) {
+    notes->push_back("feet: what was well seen is not known, for there are no label images of this camera");
+    return {};
+  }
+  WellSeenCells well_seen(scene);
+  for (const auto& [t, path] : labels) {
+    const std::vector<PosePair> pose = MatchPoses({{t, Eigen::Isometry3d::Identity()}}, true_left);
+    if (!pose.empty()) well_seen.Add(ReadGray16Png(path), camera.camera, pose.front().T_true_left);
+  }
+  return well_seen.Cells();
+}
+
 /// Disparity images of the result that have a true depth image and a true pose of the same moment.
 std::optional<DisparityEvaluation> EvaluateDisparities(const ReplayResult& result, const fs::path& sequence,
                                                        const TrueScene& scene,
@@ -65,7 +86,7 @@ std::optional<DisparityEvaluation> EvaluateDisparities(const ReplayResult& resul
   const std::map<Timestamp, fs::path> saved = SavedDisparities(result.folder);
   const std::map<Timestamp, fs::path> depths = TrueDepthImages(sequence);
   if (saved.empty() || depths.empty()) return std::nullopt;
-  if (Eigen::AngleAxisd(result.camera.R_rect_raw).angle() > kNoRotation_rad) {
+  if (RectificationTurns(result.camera)) {
     notes->push_back("disparity: rectification turns the camera, so the true depth images do not apply");
     return std::nullopt;
   }
@@ -136,6 +157,9 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
   const Eigen::Isometry3d T_true_result =
       pairs.empty() ? Eigen::Isometry3d::Identity() : AlignByOrientations(pairs);
   evaluation.map = EvaluateMap(result.map, scene, T_true_result, options);
+  evaluation.feet = EvaluateFeet(
+      result.map, scene, FindWellSeenCells(result.camera, sequence, scene, true_left, &evaluation.notes),
+      T_true_result);
   evaluation.staircases =
       EvaluateStaircases(result.map.staircases, result.staircase_reports, scene, T_true_result, true_left);
   evaluation.disparity = EvaluateDisparities(result, sequence, scene, true_left, &evaluation.notes);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "evaluation/disparity_evaluation.h"
+#include "evaluation/feet_evaluation.h"
 #include "evaluation/film_strip.h"
 #include "evaluation/map_evaluation.h"
 #include "evaluation/result_files.h"
@@ -30,6 +31,7 @@ struct Evaluation {
 
   std::optional<TrajectoryEvaluation> trajectory;
   std::optional<MapEvaluation> map;
+  std::optional<FeetEvaluation> feet;
   std::optional<StaircaseEvaluation> staircases;
   std::optional<DisparityEvaluation> disparity;
 

@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <stdexcept>
 
-#include "core/check.h"
-#include "evaluation/planar_shape.h"
+#include "evaluation/covered_cells.h"
+#include "evaluation/edge_errors.h"
 #include "evaluation/statistics.h"
 
 namespace terrace {
@@ -15,9 +13,6 @@ namespace {
 
 constexpr double kRadPerDeg = EIGEN_PI / 180.0;
 constexpr double kResultCell_m = 0.04;
-/// A region covers a true cell within these.
-constexpr double kCoverDistance_m = 0.05;
-constexpr double kCoverAngle_rad = 15.0 * kRadPerDeg;
 /// A result cell lies on a true polygon within these; wider, so that nothing is both missed and false.
 constexpr double kNearDistance_m = 0.075;
 constexpr double kNearAngle_rad = 22.5 * kRadPerDeg;
@@ -25,130 +20,13 @@ constexpr double kNearAngle_rad = 22.5 * kRadPerDeg;
 constexpr double kSupportNormalZ = 0.7;
 /// A region, or a polygon, counts as a piece of the other from this share of the common cells.
 constexpr double kPieceShare = 0.1;
-constexpr double kEdgeStep_m = 0.02;
-/// Beyond this an edge is not displaced but absent.
-constexpr double kMaxEdgeError_m = 0.2;
-/// About 160,000 m^2 in cells: no map of a walking robot.
-constexpr double kMaxRegionCells = 1e8;
-constexpr int kNoRegion = -1;
-
-/// One region of the result, moved onto the truth.
-struct MapRegion {
-  const TerrainRegion* region;
-  PlanarShape shape;
-  std::string label;
-};
-
-struct TrueShape {
-  const TruePolygon* polygon;
-  PlanarShape shape;
-  bool asked;  ///< its cells count
-};
-
-std::string ComparedLabel(TerrainLabel label) {
-  return Name(label == TerrainLabel::kLevel ? TerrainLabel::kObstacle : label);
-}
-
-std::vector<MapRegion> MoveRegions(const TerrainMap& map, const Eigen::Isometry3d& T_true_result) {
-  std::vector<MapRegion> regions;
-  for (const auto& region : map.regions) {
-    std::vector<Ring> holes;
-    for (const Ring& hole : region->holes_world) holes.push_back(Moved(T_true_result, hole));
-    regions.push_back({region.get(),
-                       PlanarShape(Moved(T_true_result, region->plane_world),
-                                   Moved(T_true_result, region->outline_world), holes),
-                       ComparedLabel(region->label)});
-    if (regions.back().shape.BoxArea() / (kResultCell_m * kResultCell_m) > kMaxRegionCells) {
-      throw std::runtime_error("region " + std::to_string(region->id) + " is too large to be true");
-    }
-  }
-  return regions;
-}
-
-std::vector<TrueShape> ShapesOf(const TrueScene& truth, const MapEvaluationOptions& options) {
-  std::vector<TrueShape> shapes;
-  for (const TruePolygon& polygon : truth.polygons) {
-    const bool asked =
-        (options.include_other || polygon.label != "other") && (options.include_detail || !polygon.detail);
-    shapes.push_back(
-        {&polygon, PlanarShape(polygon.plane_world, polygon.outline_world, polygon.holes_world), asked});
-  }
-  return shapes;
-}
-
-/// Which region covers each cell of one true polygon.
-class CoveredCells {
- public:
-  CoveredCells(const TrueShape& truth, const std::vector<MapRegion>& regions)
-      : cells_(truth.polygon->observed), shape_(truth.shape), taken_(cells_.seen.size(), kNotAsked) {
-    std::vector<int> candidates;
-    for (std::size_t k = 0; k < regions.size(); ++k) {
-      if (regions[k].shape.AngleTo(shape_.plane()) <= kCoverAngle_rad) {
-        candidates.push_back(static_cast<int>(k));
-      }
-    }
-    for (int i = 0; i < cells_.nx; ++i) {
-      for (int j = 0; j < cells_.ny; ++j) {
-        const Eigen::Vector3d centre = cells_.Centre(i, j, shape_.plane());
-        if (!cells_.seen[Index(i, j)] || !shape_.LiesOver(centre)) continue;
-        taken_[Index(i, j)] = NearestOver(centre, candidates, regions);
-      }
-    }
-  }
-
-  /// Calls use(centre, region index or kNoRegion) for every cell that counts.
-  template <typename Use>
-  void ForEach(Use use) const {
-    for (int i = 0; i < cells_.nx; ++i) {
-      for (int j = 0; j < cells_.ny; ++j) {
-        const int region = taken_[Index(i, j)];
-        if (region != kNotAsked) use(cells_.Centre(i, j, shape_.plane()), region);
-      }
-    }
-  }
-
-  /// The region over the cell that holds this point of the plane; kNoRegion when there is none or the cell
-  /// does not count.
-  int RegionAt(const Eigen::Vector3d& p) const {
-    const double i = std::floor((cells_.axis_x.dot(p) - cells_.origin_m.x()) / cells_.cell_m);
-    const double j = std::floor((cells_.axis_y.dot(p) - cells_.origin_m.y()) / cells_.cell_m);
-    if (!(i >= 0 && i < cells_.nx && j >= 0 && j < cells_.ny)) return kNoRegion;
-    return std::max(taken_[Index(static_cast<int>(i), static_cast<int>(j))], kNoRegion);
-  }
-
- private:
-  static constexpr int kNotAsked = -2;
-
-  std::size_t Index(int i, int j) const {
-    return static_cast<std::size_t>(i) * static_cast<std::size_t>(cells_.ny) + static_cast<std::size_t>(j);
-  }
-
-  static int NearestOver(const Eigen::Vector3d& centre, const std::vector<int>& candidates,
-                         const std::vector<MapRegion>& regions) {
-    int nearest = kNoRegion;
-    double least_m = std::numeric_limits<double>::infinity();
-    for (int k : candidates) {
-      const PlanarShape& shape = regions[static_cast<std::size_t>(k)].shape;
-      const double distance_m = std::abs(shape.plane().SignedDistance(centre));
-      if (distance_m > kCoverDistance_m || distance_m >= least_m || !shape.LiesOver(centre)) continue;
-      nearest = k;
-      least_m = distance_m;
-    }
-    return nearest;
-  }
-
-  const ObservedCells& cells_;
-  const PlanarShape& shape_;
-  std::vector<int> taken_;
-};
 
 /// What accumulates over all true polygons.
 struct Tally {
   std::vector<double> distances_m;
   std::vector<double> support_distances_m;
   std::vector<double> angles_deg;
-  std::vector<double> edge_errors_m;
-  std::vector<double> signed_edge_errors_m;
+  EdgeErrors edges;
   /// Covered cells by region, then by true polygon.
   std::map<int, std::map<int, int>> cells_of_region;
 };
@@ -194,36 +72,6 @@ void EvaluateCells(const TrueShape& truth, const CoveredCells& cells, const std:
     if (support) tally->support_distances_m.push_back(height_m);
   }
   tally->angles_deg.insert(tally->angles_deg.end(), angles_deg.begin(), angles_deg.end());
-}
-
-/// Samples the true edges where the cell just inside is covered, and asks how far the edge of the region that
-/// covers it is.
-void EvaluateEdges(const TrueShape& truth, const CoveredCells& cells, const std::vector<MapRegion>& regions,
-                   PolygonEvaluation* polygon, Tally* tally) {
-  std::vector<double> errors_m;
-  const auto sample_ring = [&](const Ring& ring) {
-    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      const Eigen::Vector3d edge = ring[i] - ring[j];
-      const int steps = static_cast<int>(edge.norm() / kEdgeStep_m);
-      if (steps == 0) continue;
-      Eigen::Vector3d inwards = truth.shape.plane().normal.cross(edge).normalized() * kEdgeStep_m;
-      if (!truth.shape.LiesOver(ring[j] + 0.5 * edge + inwards)) inwards = -inwards;
-      for (int step = 0; step < steps; ++step) {
-        const Eigen::Vector3d p = ring[j] + (step + 0.5) / steps * edge;
-        const int k = cells.RegionAt(p + inwards);
-        if (k == kNoRegion) continue;
-        const PlanarShape& shape = regions[static_cast<std::size_t>(k)].shape;
-        const double error_m = std::min(shape.DistanceToEdge(p), kMaxEdgeError_m);
-        errors_m.push_back(error_m);
-        tally->signed_edge_errors_m.push_back(shape.LiesOver(p) ? error_m : -error_m);
-      }
-    }
-  };
-  sample_ring(truth.polygon->outline_world);
-  for (const Ring& hole : truth.polygon->holes_world) sample_ring(hole);
-  polygon->num_edge_samples = static_cast<int>(errors_m.size());
-  polygon->edge_median_m = QuantileOf(errors_m, 0.5);
-  tally->edge_errors_m.insert(tally->edge_errors_m.end(), errors_m.begin(), errors_m.end());
 }
 
 /// How many of the counts reach a tenth of their sum.
@@ -309,10 +157,13 @@ MapEvaluation EvaluateMap(const TerrainMap& map, const TrueScene& truth,
     polygon.id = shape.polygon->id;
     polygon.name = shape.polygon->name;
     polygon.label = shape.polygon->label;
-    const CoveredCells cells(shape, regions);
+    const CoveredCells cells(shape.shape, shape.polygon->observed, regions);
     EvaluateCells(shape, cells, regions, &polygon, &evaluation, &tally);
     if (polygon.seen_m2 == 0.0) continue;
-    EvaluateEdges(shape, cells, regions, &polygon, &tally);
+    EdgeErrors edges;
+    edges.Add(shape, cells, regions);
+    polygon.edges = edges.Figures();
+    tally.edges.Append(edges);
     evaluation.true_m2 += polygon.seen_m2;
     covered_m2 += polygon.covered_m2;
     correct_m2 += polygon.correct_m2;
@@ -327,10 +178,7 @@ MapEvaluation EvaluateMap(const TerrainMap& map, const TrueScene& truth,
   evaluation.plane_p95_m = QuantileOf(tally.distances_m, 0.95);
   evaluation.normal_mean_deg = MeanOf(tally.angles_deg);
   evaluation.normal_p95_deg = QuantileOf(tally.angles_deg, 0.95);
-  evaluation.edge_median_m = QuantileOf(tally.edge_errors_m, 0.5);
-  evaluation.edge_p95_m = QuantileOf(tally.edge_errors_m, 0.95);
-  evaluation.edge_bias_m = MeanOf(tally.signed_edge_errors_m);
-  evaluation.num_edge_samples = static_cast<int>(tally.edge_errors_m.size());
+  evaluation.edges = tally.edges.Figures();
   return evaluation;
 }
 

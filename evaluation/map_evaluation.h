@@ -9,14 +9,10 @@
 
 #include "core/terrain_map.h"
 #include "datasets/ground_truth.h"
+#include "evaluation/edge_errors.h"
+#include "evaluation/map_shapes.h"
 
 namespace terrace {
-
-/// Which true polygons are asked for besides the ordinary ones.
-struct MapEvaluationOptions {
-  bool include_other = false;   ///< those labelled `other`
-  bool include_detail = false;  ///< those marked `detail`
-};
 
 /// How well one true polygon was found. Only polygons with a seen cell have one.
 struct PolygonEvaluation {
@@ -25,14 +21,13 @@ struct PolygonEvaluation {
   std::string label;
   double seen_m2 = 0.0;
   double covered_m2 = 0.0;
-  double correct_m2 = 0.0;     ///< covered with the right label
-  double plane_rms_m = 0.0;    ///< over covered cells
-  double plane_bias_m = 0.0;   ///< mean, positive when the result lies on the side the true normal points to
-  double normal_deg = 0.0;     ///< mean over covered cells
-  int num_regions = 0;         ///< that take at least a tenth of the covered cells
-  std::string label_found;     ///< most frequent over covered cells; empty when none is covered
-  double edge_median_m = 0.0;  ///< of the samples below
-  int num_edge_samples = 0;
+  double correct_m2 = 0.0;    ///< covered with the right label
+  double plane_rms_m = 0.0;   ///< over covered cells
+  double plane_bias_m = 0.0;  ///< mean, positive when the result lies on the side the true normal points to
+  double normal_deg = 0.0;    ///< mean over covered cells
+  int num_regions = 0;        ///< that take at least a tenth of the covered cells
+  std::string label_found;    ///< most frequent over covered cells; empty when none is covered
+  EdgeFigures edges;
   double coverage() const { return seen_m2 > 0.0 ? covered_m2 / seen_m2 : 0.0; }
 };
 
@@ -57,10 +52,7 @@ struct MapEvaluation {
   double plane_p95_m = 0.0;
   double normal_mean_deg = 0.0;
   double normal_p95_deg = 0.0;
-  double edge_median_m = 0.0;
-  double edge_p95_m = 0.0;
-  double edge_bias_m = 0.0;  ///< mean, positive when regions reach too far
-  int num_edge_samples = 0;
+  EdgeFigures edges;
   double over_segmentation = 0.0;   ///< regions per true polygon found; 1 is perfect
   double under_segmentation = 0.0;  ///< true polygons per region that covers something; 1 is perfect
   double label_accuracy = 0.0;      ///< share of covered area with the right label

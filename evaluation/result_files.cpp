@@ -37,6 +37,28 @@ void ForEachLine(const std::filesystem::path& path,
   }
 }
 
+std::optional<double> NumberOrNull(const JsonValue& json) {
+  return json.IsNull() ? std::nullopt : std::optional(json.Number());
+}
+
+/// One list a ring, one entry a vertex.
+std::vector<RegionEdge> ReadEdges(const JsonValue& json, const TerrainRegion& region) {
+  std::vector<RegionEdge> edges;
+  const std::vector<JsonValue> rings = json.Items();
+  if (rings.size() != 1 + region.holes_world.size()) json.Fail("must have one list for each ring");
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    const Ring& ring = i == 0 ? region.outline_world : region.holes_world[i - 1];
+    const std::vector<JsonValue> items = rings[i].Items();
+    if (items.size() != ring.size()) rings[i].Fail("must have one entry for each vertex");
+    for (const JsonValue& item : items) {
+      const std::optional<EdgeKind> kind = EdgeKindFromName(item["kind"].Text());
+      if (!kind) item["kind"].Fail("must be limit, drop, rise or joins");
+      edges.push_back({*kind, NumberOrNull(item["step_m"]), NumberOrNull(item["sigma_m"])});
+    }
+  }
+  return edges;
+}
+
 TerrainRegion ReadRegion(const JsonValue& json) {
   TerrainRegion region;
   region.id = json["id"].Integer();
@@ -55,6 +77,10 @@ TerrainRegion ReadRegion(const JsonValue& json) {
   if (!json["step_index"].IsNull()) region.step_index = static_cast<int>(json["step_index"].Integer());
   region.first_seen.ns = json["first_seen_ns"].Integer();
   region.last_seen.ns = json["last_seen_ns"].Integer();
+  // Maps of older versions have none of these.
+  if (json.Has("predicted") && json["predicted"].Bool()) region.source = RegionSource::kPredicted;
+  if (json.Has("why")) region.why = json["why"].Text();
+  if (json.Has("edges")) region.edges = ReadEdges(json["edges"], region);
   return region;
 }
 
@@ -186,6 +212,7 @@ std::vector<ResultFrame> ReadFramesFile(const std::filesystem::path& path) {
     if (!json["latency_ms"].IsNull()) frame.latency_ms = json["latency_ms"].Number();
     frame.map_cells = json["map_cells"].Integer();
     frame.regions = json["regions"].Integer();
+    if (json.Has("epoch")) frame.epoch = static_cast<int>(json["epoch"].Integer());
     frames.push_back(std::move(frame));
   });
   return frames;

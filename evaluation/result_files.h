@@ -36,6 +36,7 @@ struct ResultFrame {
   std::optional<double> latency_ms;    ///< only of a replay at recorded speed
   std::int64_t map_cells = 0;
   std::int64_t regions = 0;
+  int epoch = 0;  ///< jumps of the world so far
 };
 
 /// One line of staircases.jsonl.

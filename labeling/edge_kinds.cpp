@@ -90,8 +90,8 @@ EdgeKind KindOfFaceEdge(const RegionShape& other, const Eigen::Vector3d& p) {
 
 }  // namespace
 
-std::vector<EdgeKind> EdgeKindsOf(int i, const std::vector<RegionShapePtr>& shapes,
-                                  const Eigen::Matrix3d& R_level_world) {
+std::vector<RegionEdge> EdgeKindsOf(int i, const std::vector<RegionShapePtr>& shapes,
+                                    const Eigen::Matrix3d& R_level_world) {
   const RegionShape& self = *shapes[i];
   const Eigen::Vector3d reach(kEdgeReach, kEdgeReach, 3.0 * kEdgeReach);
   const Eigen::AlignedBox3d wide(self.bounds.min() - reach, self.bounds.max() + reach);
@@ -99,7 +99,7 @@ std::vector<EdgeKind> EdgeKindsOf(int i, const std::vector<RegionShapePtr>& shap
   for (int j = 0; j < static_cast<int>(shapes.size()); ++j)
     if (j != i && wide.intersects(shapes[j]->bounds)) others.push_back(shapes[j].get());
 
-  std::vector<EdgeKind> kinds;
+  std::vector<RegionEdge> edges;
   const auto add = [&](const Ring& ring) {
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const Eigen::Vector3d p = R_level_world * (0.5 * (ring[k] + ring[(k + 1) % ring.size()]));
@@ -109,12 +109,12 @@ std::vector<EdgeKind> EdgeKindsOf(int i, const std::vector<RegionShapePtr>& shap
         kind =
             Stronger(kind, self.lean == Lean::kSupport ? KindBeside(*other, p) : KindOfFaceEdge(*other, p));
       }
-      kinds.push_back(kind);
+      edges.push_back({kind, {}, {}});
     }
   };
   add(self.polygon->outline_world);
   for (const Ring& hole : self.polygon->holes_world) add(hole);
-  return kinds;
+  return edges;
 }
 
 }  // namespace terrace

@@ -11,9 +11,9 @@
 namespace terrace {
 
 /// What lies beyond every edge of a shape's polygon: outline first, then the holes, as TerrainRegion wants
-/// it.
-std::vector<EdgeKind> EdgeKindsOf(int i, const std::vector<RegionShapePtr>& shapes,
-                                  const Eigen::Matrix3d& R_level_world);
+/// it. Kinds only: steps are not measured yet.
+std::vector<RegionEdge> EdgeKindsOf(int i, const std::vector<RegionShapePtr>& shapes,
+                                    const Eigen::Matrix3d& R_level_world);
 
 /// How far away another shape may lie and still decide the kind of an edge.
 inline constexpr double kEdgeReach = 0.10;

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/pose_estimate.h"
-#include "odometry/visual_odometry.h"
+#include "odometry/gravity_keeper.h"
 #include "polygonization/polygon.h"
 
 namespace terrace {

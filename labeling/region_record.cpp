@@ -5,23 +5,6 @@
 #include <optional>
 
 namespace terrace {
-namespace {
-
-void FillProbabilities(TerrainRegion& region) {
-  // What is not the label is most likely not decided, then anything else.
-  constexpr double kShareOfUnknown = 0.6;
-  const double rest = 1.0 - region.confidence;
-  const auto label = static_cast<std::size_t>(region.label);
-  const bool unknown = region.label == TerrainLabel::kUnknown;
-  const double others =
-      unknown ? rest / (kNumTerrainLabels - 1) : rest * (1.0 - kShareOfUnknown) / (kNumTerrainLabels - 2);
-  region.label_probability.fill(others);
-  if (!unknown) region.label_probability[0] = rest * kShareOfUnknown;
-  region.label_probability[label] = region.confidence;
-}
-
-}  // namespace
-
 Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
   // Calling stairs a ramp is the worst mistake: a ramp is told late and taken back at once.
   const Verdict undecided{TerrainLabel::kUnknown, 0.4, false, "inclined, just seen"};
@@ -56,7 +39,7 @@ void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, con
   const std::optional<std::int64_t> staircase_id = stairs ? std::optional(stairs->id) : std::nullopt;
   const std::optional<int> step_index = stairs ? std::optional(stairs->place.step_index) : std::nullopt;
   if (same_polygon && region_->label == verdict.label && region_->staircase_id == staircase_id &&
-      region_->step_index == step_index && region_->edge_kinds == edges &&
+      region_->step_index == step_index && region_->edges == edges &&
       std::abs(region_->confidence - verdict.confidence) < kConfidenceStep)
     return;
   auto region = std::make_shared<TerrainRegion>();
@@ -64,14 +47,14 @@ void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, con
   region->revision = region_ ? region_->revision + 1 : 1;
   region->label = verdict.label;
   region->confidence = verdict.confidence;
-  FillProbabilities(*region);
   region->plane_world = polygon.plane_world;
   region->plane_covariance = polygon.plane_covariance;
+  region->centroid_world = polygon.centroid_world;
   region->rms_m = polygon.rms_m;
   region->area_m2 = polygon.area_m2;
   region->outline_world = polygon.outline_world;
   region->holes_world = polygon.holes_world;
-  region->edge_kinds = edges;
+  region->edges = edges;
   region->support = polygon.support;
   region->num_observations = polygon.num_observations;
   region->first_seen = polygon.first_seen;

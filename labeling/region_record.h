@@ -36,7 +36,7 @@ class RegionRecord {
   bool told() const { return told_; }
   const std::shared_ptr<const TerrainRegion>& region() const { return region_; }
 
-  std::vector<EdgeKind> edges;
+  std::vector<RegionEdge> edges;
   bool edges_stale = true;  ///< something beside the shape has changed since
 
  private:

@@ -126,7 +126,9 @@ class TerrainLabeler::Impl {
     auto map = std::make_shared<TerrainMap>();
     map->t_capture = update.t_capture;
     map->map_id = map_->map_id;
+    map->epoch = pose.epoch;
     map->T_world_left = pose.T_world_left;
+    map->covariance = pose.covariance;
     map->gravity = gravity;
     const std::map<PolygonId, InStaircase> stairs = StairRegions(tracker_.confirmed());
     for (int i = 0; i < static_cast<int>(table_.shapes().size()); ++i) {

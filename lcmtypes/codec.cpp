@@ -2,6 +2,7 @@
 #include "lcmtypes/codec.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
@@ -15,8 +16,9 @@
 namespace terrace {
 namespace {
 
-constexpr const char* kRadialTangential = "pinhole-radtan";
-constexpr const char* kEquidistant = "pinhole-equidistant";
+/// Names of the lens models in messages, by DistortionModel.
+constexpr std::array kModelNames = {"pinhole-radtan",   "pinhole-equidistant", "omni",      "double-sphere",
+                                    "extended-unified", "field-of-view",       "polynomial"};
 
 bool AllFinite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -204,7 +206,7 @@ calibration_v1_t ToMessage(const StereoCalibration& calibration, Timestamp t) {
   message.dist.resize(2);
   WriteCamera(calibration.left, num_distortion, message.K[0], &message.dist[0]);
   WriteCamera(calibration.right, num_distortion, message.K[1], &message.dist[1]);
-  message.model = calibration.left.model == DistortionModel::kEquidistant ? kEquidistant : kRadialTangential;
+  message.model = kModelNames.at(static_cast<std::size_t>(calibration.left.model));
   for (int i = 0; i < 9; ++i) message.R_right_left[i] = calibration.T_rawright_rawleft.linear()(i / 3, i % 3);
   Write(calibration.T_rawright_rawleft.translation(), message.t_right_left);
   if (calibration.T_body_rawleft) {
@@ -228,12 +230,9 @@ calibration_v1_t ToMessage(const StereoCalibration& calibration, Timestamp t) {
 
 std::optional<StereoCalibration> FromMessage(const calibration_v1_t& message) {
   StereoCalibration calibration;
-  DistortionModel model = DistortionModel::kRadialTangential;
-  if (message.model == kEquidistant) {
-    model = DistortionModel::kEquidistant;
-  } else if (message.model != kRadialTangential) {
-    return std::nullopt;
-  }
+  const auto name = std::find(kModelNames.begin(), kModelNames.end(), message.model);
+  if (name == kModelNames.end()) return std::nullopt;
+  const auto model = static_cast<DistortionModel>(name - kModelNames.begin());
   calibration.name = message.name;
   calibration.width = message.width;
   calibration.height = message.height;
@@ -358,7 +357,7 @@ region_v1_t ToMessage(const TerrainRegion& region, const Gravity& gravity) {
   region_v1_t message{};
   message.id = region.id;
   message.revision = region.revision;
-  message.predicted = region.predicted;
+  message.predicted = region.predicted();
   message.first_utime = region.first_seen.utime();
   message.last_utime = region.last_seen.utime();
   message.n_obs = region.num_observations;
@@ -392,7 +391,8 @@ region_v1_t ToMessage(const TerrainRegion& region, const Gravity& gravity) {
   message.n_rings = static_cast<std::int32_t>(message.ring_size.size());
   message.n_coords = static_cast<std::int32_t>(message.coords.size());
   message.n_vertices = message.n_coords / 2;
-  for (const EdgeKind kind : region.edge_kinds) message.edge_kind.push_back(static_cast<std::int8_t>(kind));
+  for (const RegionEdge& edge : region.edges)
+    message.edge_kind.push_back(static_cast<std::int8_t>(edge.kind));
   message.edge_kind.resize(static_cast<std::size_t>(message.n_vertices), region_v1_t::EDGE_LIMIT_OF_VIEW);
 
   message.area = static_cast<float>(region.area_m2);
@@ -401,8 +401,6 @@ region_v1_t ToMessage(const TerrainRegion& region, const Gravity& gravity) {
       static_cast<float>(std::acos(std::clamp(std::abs(normal.dot(gravity.up_world())), 0.0, 1.0)));
   message.support = static_cast<float>(region.support);
   message.label = static_cast<std::int8_t>(region.label);
-  for (int i = 0; i < kNumTerrainLabels; ++i)
-    message.label_prob[i] = static_cast<float>(region.label_probability[i]);
   message.label_prob[message.label] = static_cast<float>(region.confidence);
   message.staircase_id = region.staircase_id.value_or(0);
   message.step_index = region.step_index.value_or(0);
@@ -427,7 +425,6 @@ std::optional<TerrainRegion> FromMessage(const region_v1_t& message) {
   region.revision = message.revision;
   region.label = *label;
   region.confidence = message.label_prob[message.label];
-  std::copy(std::begin(message.label_prob), std::end(message.label_prob), region.label_probability.begin());
   region.plane_world.normal = T_world_plane->linear().col(2);
   region.plane_world.offset_m = region.plane_world.normal.dot(T_world_plane->translation());
   int next = 0;
@@ -439,7 +436,7 @@ std::optional<TerrainRegion> FromMessage(const region_v1_t& message) {
   region.rms_m = message.rms;
   region.area_m2 = message.area;
   region.support = message.support;
-  region.predicted = message.predicted != 0;
+  region.source = message.predicted != 0 ? RegionSource::kPredicted : RegionSource::kSeen;
   region.num_observations = message.n_obs;
   region.first_seen = *first_seen;
   region.last_seen = *last_seen;
@@ -465,7 +462,7 @@ std::optional<TerrainRegion> FromMessage(const region_v1_t& message) {
   for (const std::int8_t number : message.edge_kind) {
     const auto kind = EnumFrom<EdgeKind>(number, 4);
     if (!kind) return std::nullopt;
-    region.edge_kinds.push_back(*kind);
+    region.edges.push_back({*kind, {}, {}});
   }
   return region;
 }

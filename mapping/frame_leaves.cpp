@@ -5,9 +5,9 @@
 
 namespace terrace {
 
-void FrameLeaves::Clear() {
+void FrameLeaves::Clear(int width) {
   leaves_.clear();
-  std::fill(above_.begin(), above_.end(), 0);
+  above_.assign(static_cast<std::size_t>(width / kColumn) + 1, 0);
   ++generation_;
 }
 

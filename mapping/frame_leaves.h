@@ -5,30 +5,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "mapping/leaf_address.h"
 #include "mapping/leaf_pool.h"
 #include "mapping/point_moments.h"
 
 namespace terrace {
 
-/// Level and lowest corner of a leaf of the octree, OctoMap's keys, in one number.
-struct LeafAddress {
-  std::uint64_t packed = 0;
-
-  LeafAddress() = default;
-  LeafAddress(std::uint16_t x, std::uint16_t y, std::uint16_t z, int level)
-      : packed(std::uint64_t(level) << 48 | std::uint64_t(x) << 32 | std::uint64_t(y) << 16 | z) {}
-
-  std::uint16_t x() const { return static_cast<std::uint16_t>(packed >> 32); }
-  std::uint16_t y() const { return static_cast<std::uint16_t>(packed >> 16); }
-  std::uint16_t z() const { return static_cast<std::uint16_t>(packed); }
-  int level() const { return static_cast<int>(packed >> 48); }
-  bool operator==(const LeafAddress&) const = default;
-};
-
 /// Where a leaf of the map is kept; it may have gone since.
 struct LeafPlace {
   int leaf = kNothing;
   int cell = kNothing;
+  bool operator==(const LeafPlace&) const = default;
 };
 
 /// A leaf that a frame touches, and the frame's points in it.
@@ -38,15 +25,15 @@ struct FrameLeaf {
   LeafPlace place;  ///< where an earlier frame found it, if that is still known
 };
 
-/// The leaves that one frame touches: an open-addressing table that is emptied in no time. What earlier frames
-/// left in it tells, for most leaves, where the map keeps them.
+/// The leaves that one frame touches: an open-addressing table that is emptied in no time. What earlier
+/// frames left in it tells, for most leaves, where the map keeps them.
 class FrameLeaves {
  public:
-  /// @param width  of the image, whose points come in rows
-  explicit FrameLeaves(int width)
-      : slots_(std::size_t{1} << 15), above_(static_cast<std::size_t>(width / kColumn) + 1) {}
+  FrameLeaves() : slots_(std::size_t{1} << 15) {}
 
-  void Clear();
+  /// Begins a frame.
+  /// @param width  of the image, whose points come in rows
+  void Clear(int width);
   /// The leaf of this address; made when the frame has not touched it yet.
   /// @param u  column of the image: most points lie in the leaf of the one to their left or above
   FrameLeaf& At(LeafAddress address, int u);

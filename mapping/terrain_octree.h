@@ -3,13 +3,14 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "core/camera.h"
 #include "core/pose_estimate.h"
+#include "mapping/leaf_address.h"
+#include "mapping/mapping_config.h"
 #include "stereo/cloud.h"
 
 namespace terrace {
@@ -26,44 +27,6 @@ struct Surfel {
   float spacing_m;             ///< finest spacing of the pixels across the view, at the surface
 };
 
-/// Address of a cell: the octree node of `cell_size_m` that holds it, counted from the world's origin.
-struct CellKey {
-  int x = 0, y = 0, z = 0;
-  friend constexpr auto operator<=>(const CellKey&, const CellKey&) = default;
-};
-
-/// Settings of the spatial decomposition. YAML section: `mapping`.
-struct MappingConfig {
-  /// Edge of the finest octree leaf, in which points are summed. What is seen from farther away goes into
-  /// leaves of twice, four times the size.
-  double leaf_size_m = 0.02;
-  /// Finest leaves along the edge of a cell, in which planes are fitted; a power of two, at least 4.
-  int leaves_per_cell = 16;
-  /// A leaf is at least this many pixels wide in the image that fills it.
-  double min_leaf_px = 5.0;
-  /// Points that a leaf needs before it counts as occupied.
-  int min_points = 4;
-  /// Frames that must have put points into it.
-  int min_frames = 2;
-  /// A leaf in view that fewer frames than this share put points into holds noise.
-  double min_hit_share = 0.3;
-  /// Neighbouring pixels err together, more than each one's sigma says: sigmas of depth are taken this much
-  /// larger.
-  double depth_sigma_factor = 1.5;
-  /// What the pose of a frame adds to the error of its points.
-  double pose_sigma_m = 0.002;
-  /// A leaf remembers about this many frames; older ones fade, so that new ones can still move it.
-  int memory_frames = 60;
-  /// A leaf is seen through when what the image shows there lies behind it by this much disparity.
-  double free_margin_px = 1.0;
-  /// A leaf that is seen through in this many frames more than it is hit in is cleared.
-  int free_frames = 4;
-
-  double cell_size_m() const { return leaf_size_m * leaves_per_cell; }
-  /// One sentence per problem; empty when the settings can be used.
-  std::vector<std::string> Problems() const;
-};
-
 /// The cells whose points changed with one frame.
 struct ChangedCells {
   FrameId frame_id = 0;
@@ -74,12 +37,15 @@ struct ChangedCells {
 /// The points of all frames, summed in the leaves of an octree in the world frame; what has gone is cleared.
 class TerrainOctree {
  public:
-  TerrainOctree(const MappingConfig& config, const StereoCamera& camera);
+  explicit TerrainOctree(const MappingConfig& config);
   ~TerrainOctree();
 
   /// Adds one frame's points, and clears what they prove to be free. The cost depends on the frame, not on
   /// the size of the map. Returned are the cells that changed enough to be worth a new fit.
-  ChangedCells Insert(const Cloud& cloud, const PoseEstimate& pose);
+  ChangedCells Insert(const Cloud& cloud, const StereoCamera& camera, const PoseEstimate& pose);
+  /// Forgets what lies farther than `mapping.window_m` from here, a few blocks at a time.
+  /// @return the cells that are gone, ascending
+  std::vector<CellKey> ForgetFarFrom(const Eigen::Vector3d& p_world);
 
   /// The occupied leaves of one cell, always in the same order.
   void CollectSurfels(const CellKey& cell, std::vector<Surfel>* surfels) const;

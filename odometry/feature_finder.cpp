@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "odometry/patch.h"
+#include "odometry/stereo_alignment.h"
 
 namespace terrace {
 namespace {

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "odometry/covariance.h"
-#include "odometry/rotation.h"
 #include "odometry/pose_solver.h"
+#include "odometry/rotation.h"
 
 namespace terrace {
 namespace {

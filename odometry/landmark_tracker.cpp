@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "odometry/patch.h"
+#include "odometry/patch_alignment.h"
 
 namespace terrace {
 namespace {

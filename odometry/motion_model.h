@@ -10,7 +10,7 @@
 #include "core/pose_estimate.h"
 #include "core/sensor_frame.h"
 #include "odometry/imu_preintegration.h"
-#include "odometry/visual_odometry.h"
+#include "odometry/odometry_config.h"
 #include "odometry/window.h"
 #include "odometry/window_optimizer.h"
 

@@ -88,13 +88,6 @@ void WindowOptimizer::Start(const Keyframe& first, const Matrix6d& pose_covarian
   gravity_sigma_rad_ = gravity_sigma_rad;
 }
 
-void WindowOptimizer::Move(const Eigen::Isometry3d& move) {
-  for (KeyframeState& state : prior_states_) {
-    state.T_world_left = move * state.T_world_left;
-    state.velocity_world = move.linear() * state.velocity_world;
-  }
-}
-
 ImuState WindowOptimizer::ImuOf(const KeyframeState& state) const {
   const Eigen::Isometry3d T_world_imu = state.T_world_left * *T_left_imu_;
   return {T_world_imu.linear(), T_world_imu.translation(), state.velocity_world, state.gyro_bias,

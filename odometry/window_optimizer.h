@@ -45,8 +45,6 @@ class WindowOptimizer {
   /// How well an IMU's state at the newest keyframe is known, per axis: zeros without an IMU.
   const ImuSigmas& newest_imu_sigmas() const { return newest_imu_sigmas_; }
   double gravity_sigma_rad() const { return gravity_sigma_rad_; }
-  /// Moves the prior along with the window.
-  void Move(const Eigen::Isometry3d& move);
 
  private:
   struct System;

@@ -7,7 +7,7 @@
 
 #include "core/pose_estimate.h"
 #include "core/sensor_frame.h"
-#include "odometry/visual_odometry.h"
+#include "odometry/odometry_config.h"
 
 namespace terrace {
 

@@ -70,6 +70,8 @@ class CellModeller {
   explicit CellModeller(const ModellingConfig& config);
 
   PatchUpdate Fit(const TerrainOctree& octree, const ChangedCells& cells);
+  /// Forgets the planes of all cells: a new map begins.
+  void Reset() { planes_world_.clear(); }
 
  private:
   std::vector<Plane> HintsFor(const CellKey& key, const Eigen::Vector3d& centre_world,

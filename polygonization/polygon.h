@@ -34,13 +34,15 @@ struct Polygon {
 };
 using PolygonPtr = std::shared_ptr<const Polygon>;
 
-/// The polygon map after one frame, and what the frame changed in it.
+/// What one frame changed in the polygon map. Ids ascend; none is in two of the lists.
 struct PolygonUpdate {
   FrameId frame_id = 0;
   Timestamp t_capture;
   std::vector<PolygonPtr> polygons;  ///< the whole map, ascending by id; unchanged ones are shared
-  std::vector<PolygonId> changed;    ///< new or with a new revision, ascending
-  std::vector<PolygonId> removed;    ///< ascending
+  std::vector<PolygonId> added;      ///< that were not there before
+  std::vector<PolygonId> revised;    ///< with a new revision
+  std::vector<PolygonId> removed;    ///< that are no longer there
+  std::vector<PolygonId> seen;       ///< in view again and unchanged
 };
 
 }  // namespace terrace

@@ -3,41 +3,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "polygonization/cell_modeller.h"
+#include "polygonization/merging_config.h"
 #include "polygonization/polygon.h"
+#include "polygonization/polygon_map.h"
 
 namespace terrace {
-
-/// Settings of merging patches into polygons. YAML section: `merging`.
-struct MergingConfig {
-  /// Patches belong to a neighbouring surface within this offset and angle, and what their noise adds to
-  /// them.
-  double max_offset_m = 0.015;
-  double max_angle_deg = 10.0;
-  /// Surfaces whose pieces lie farther apart than this are two; narrower gaps and holes are closed.
-  double max_gap_m = 0.06;
-  /// Narrower tongues of an outline are cut off.
-  double min_width_m = 0.025;
-  /// Polygons and holes smaller than this are not published; nor are polygons smaller than the square of six
-  /// times their noise.
-  double min_area_m2 = 0.015;
-  /// Pixel of the bitmap from which outlines are traced.
-  double outline_resolution_m = 0.01;
-  /// How far a simplified edge of an outline may leave the traced one.
-  double simplify_m = 0.008;
-  /// Vertices of one polygon, so that it fits a message; a more ragged one is simplified further, as far as
-  /// its rings allow without touching.
-  int max_vertices = 2000;
-  /// A polygon gets a new revision when its plane moved by this much inside its outline, or its area changed
-  /// by as much along its edges.
-  double min_change_m = 0.001;
-
-  /// One sentence per problem; empty when the settings can be used.
-  std::vector<std::string> Problems() const;
-};
 
 /// Keeps the global polygon map: joins patches of neighbouring cells, touches only what changed.
 class PolygonMerger {
@@ -45,8 +17,10 @@ class PolygonMerger {
   explicit PolygonMerger(const MergingConfig& config);
   ~PolygonMerger();
 
-  PolygonUpdate Merge(const PatchUpdate& update);
+  PolygonUpdate Merge(const PatchUpdate& patches);
 
+  /// The whole map as it is after the last Merge().
+  const PolygonMap& polygons() const;
   std::int64_t memory_bytes() const;
 
  private:

@@ -4,6 +4,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/time.h"
+#include "stereo/row_offsets.h"
 
 namespace terrace {
 
@@ -15,6 +16,8 @@ struct DisparityImage {
   cv::Mat1f disparity_px;
   /// CV_32FC1 [px], standard deviation; NaN exactly where the disparity is.
   cv::Mat1f sigma_px;
+  /// By how many rows the right image was off before it was matched, from the middle of what was matched.
+  RowOffsets row_offsets;
 };
 
 }  // namespace terrace

@@ -14,6 +14,7 @@
 #include "stereo/half_resolution.h"
 #include "stereo/refinement.h"
 #include "stereo/repeated_patterns.h"
+#include "stereo/row_offsets.h"
 #include "stereo/semi_global.h"
 #include "stereo/steep_surfaces.h"
 #include "stereo/unknown_disparity.h"
@@ -149,22 +150,24 @@ class DisparityMatcher::Impl {
     const cv::Rect in_part = region - cut.tl();
     found.disparity_px(in_part).copyTo(result.disparity_px(region));
     found.sigma_px(in_part).copyTo(result.sigma_px(region));
+    result.row_offsets = found.row_offsets;
     return result;
   }
 
   DisparityImage MatchAll(const StereoFrame& frame, const DisparityPrior* prior) {
     const cv::Size size = frame.left.size();
     DisparityImage result{frame.frame_id, frame.t_capture, results_.Take(size), results_.Take(size)};
+    result.row_offsets = Straighten(frame);
     if (config_.tier == "quality") {
       rough_disparity_.create(size);
       MatchHalved(frame, prior, rough_disparity_);
-      MatchAgain(frame, rough_disparity_, result.disparity_px);
+      MatchAgain(frame.left, right_, rough_disparity_, result.disparity_px);
     } else {
       MatchHalved(frame, prior, result.disparity_px);
     }
     units_.Set(result.disparity_px);
-    edges_.Sharpen(frame.left, frame.right, units_, {&steep_, 2});
-    refiner_.Refine(frame.left, frame.right, units_, result.disparity_px, &result.sigma_px, {&steep_, 2});
+    edges_.Sharpen(frame.left, right_, units_, {&steep_, 2});
+    refiner_.Refine(frame.left, right_, units_, result.disparity_px, &result.sigma_px, {&steep_, 2});
     return result;
   }
 
@@ -212,18 +215,15 @@ class DisparityMatcher::Impl {
   }
 
   /// Full resolution, near what the halved images show.
-  void MatchAgain(const StereoFrame& frame, cv::Mat1f& rough, cv::Mat1f& disparity) {
+  void MatchAgain(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& rough, cv::Mat1f& disparity) {
     FillFromFurther(rough);
-    full_matcher_.MatchNear(frame.left, frame.right, rough, disparity);
+    full_matcher_.MatchNear(left, right, rough, disparity);
     RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity, {&steep_, 2}, {&repeated_, 2});
   }
 
   /// The work of the first rounds costs a quarter at half the size, and sees twice as far.
   void MatchHalved(const StereoFrame& frame, const DisparityPrior* prior, cv::Mat1f& disparity) {
-    HalveImage(frame.left, half_left_);
-    HalveImage(frame.right, half_right_);
-    // Wide vectors take 64 disparities faster than 48.
-    const int range = config_.max_disparity_px <= 32 ? 16 : (config_.max_disparity_px / 2 + 31) / 32 * 32;
+    const int range = HalfRange();
     half_matcher_.Match(half_left_, half_right_, range, half_disparity_, Expect(prior, frame, range));
     if (2 * range > config_.max_disparity_px)
       half_disparity_.setTo(kUnknownDisparity, half_disparity_ > 0.5 * config_.max_disparity_px);
@@ -235,6 +235,27 @@ class DisparityMatcher::Impl {
     DoubleDisparity(half_disparity_, disparity, steep_);
   }
 
+  /// The halved images, and the right one with rows where the left one has them.
+  RowOffsets Straighten(const StereoFrame& frame) {
+    HalveImage(frame.left, half_left_);
+    HalveImage(frame.right, half_right_);
+    right_ = frame.right;
+    if (!config_.straighten_rows) return {};
+    const RowOffsets offsets = MeasureRowOffsets(half_left_, half_right_, HalfRange()).Scaled(2.0f);
+    if (offsets.Rms(right_.size()) < kMinRowOffsetPx) return offsets;
+    StraightenRows(frame.right, offsets, straight_right_);
+    right_ = straight_right_;
+    HalveImage(right_, half_right_);
+    return offsets;
+  }
+
+  /// Wide vectors take 64 disparities faster than 48.
+  int HalfRange() const {
+    return config_.max_disparity_px <= 32 ? 16 : (config_.max_disparity_px / 2 + 31) / 32 * 32;
+  }
+
+  static constexpr float kMinRowOffsetPx =
+      0.07f;  // rms: what is less is hardly more than the error of measuring it
   static constexpr int kAroundRegionPx = 32;  // from which paths and windows reach into a region
   static constexpr float kMaxSlope = 1.0f;    // pixels of disparity between neighbours of one piece
 
@@ -242,7 +263,8 @@ class DisparityMatcher::Impl {
   SemiGlobalMatcher half_matcher_, full_matcher_;
   DepthEdgeSharpener edges_;
   Refiner refiner_, half_refiner_;
-  cv::Mat1b half_left_, half_right_;
+  cv::Mat1b half_left_, half_right_, straight_right_;
+  cv::Mat1b right_;  // as it is matched
   cv::Mat1f half_disparity_, rough_disparity_;
   SteepSurfaces steep_;
   RepeatedPatterns repeated_;

@@ -30,13 +30,16 @@ struct DisparityConfig {
   /// Penalty for a greater change where the image is flat; at most 50.
   int large_step_penalty = 50;
   /// The same where the brightness jumps too, as it does at the edge of an object.
-  int edge_step_penalty = 30;
+  int edge_step_penalty = 10;
   /// How many percent more than the best any other disparity must cost.
   int uniqueness_percent = 0;
   /// Left-right agreement a pixel needs to be kept.
   double max_left_right_error_px = 1.0;
   /// Connected pieces smaller than this are thrown away.
   int min_piece_px = 100;
+  /// Measure in every pair by how many rows the right image is off, as it is when the rig is not calibrated
+  /// exactly, and take it out before matching.
+  bool straighten_rows = true;
   /// Region of interest: the rectangle of the rectified left image that is matched; the rest stays unknown,
   /// and costs nothing but the columns on the left that the right image needs. What lies outside of the image
   /// does not count.

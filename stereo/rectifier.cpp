@@ -3,33 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "core/check.h"
+#include "core/lens.h"
 
 namespace terrace {
 namespace {
-
-/// Pixel of a ray that leaves the raw lens in direction (x, y, 1).
-Eigen::Vector2d ProjectRaw(const RawCamera& camera, double x, double y) {
-  const auto k = [&](std::size_t i) { return i < camera.distortion.size() ? camera.distortion[i] : 0.0; };
-  if (camera.model == DistortionModel::kEquidistant) {
-    const double r = std::hypot(x, y);
-    const double theta = std::atan(r);
-    const double theta2 = theta * theta;
-    const double theta_d =
-        theta * (1.0 + theta2 * (k(0) + theta2 * (k(1) + theta2 * (k(2) + theta2 * k(3)))));
-    const double scale = r > 1e-9 ? theta_d / r : 1.0;
-    return {camera.fx * scale * x + camera.cx, camera.fy * scale * y + camera.cy};
-  }
-  const double r2 = x * x + y * y;
-  const double radial = 1.0 + r2 * (k(0) + r2 * (k(1) + r2 * k(4)));
-  return {camera.fx * (x * radial + 2.0 * k(2) * x * y + k(3) * (r2 + 2.0 * x * x)) + camera.cx,
-          camera.fy * (y * radial + k(2) * (r2 + 2.0 * y * y) + 2.0 * k(3) * x * y) + camera.cy};
-}
 
 /// Rotations that turn both cameras half way towards each other and their x axes onto the baseline.
 struct RectifyingRotations {
@@ -49,56 +34,34 @@ RectifyingRotations RotationsFor(const Eigen::Isometry3d& T_rawright_rawleft) {
   return {R_align * R_half_left, R_align * R_half_right};
 }
 
-/// Beyond this tangent of the angle to the axis the polynomial of the lens turns back: what it says there is
-/// a ghost.
-double LargestTrueTangent(const RawCamera& camera) {
-  constexpr double kStep = 0.01;
-  constexpr double kLargest = 20.0;  // 87 deg
-  const RawCamera axis{1.0, 1.0, 0.0, 0.0, camera.model, camera.distortion};
-  double previous = 0.0;
-  for (double r = kStep; r < kLargest; r += kStep) {
-    const double here = ProjectRaw(axis, r, 0.0).x();
-    if (here <= previous) return r - kStep;
-    previous = here;
-  }
-  return kLargest;
-}
-
 /// One raw camera seen from the rectified axes.
 class RawView {
  public:
   RawView(const RawCamera& camera, const Eigen::Matrix3d& R_rect_raw, int width, int height)
-      : camera_(camera),
-        R_raw_rect_(R_rect_raw.transpose()),
-        largest_tangent_(LargestTrueTangent(camera)),
-        width_(width),
-        height_(height) {}
+      : lens_(camera), R_raw_rect_(R_rect_raw.transpose()), width_(width), height_(height) {}
 
   /// The raw pixel in direction (x, y, 1) of the rectified axes; none outside the raw image.
   std::optional<Eigen::Vector2d> Pixel(double x, double y) const {
-    const Eigen::Vector3d ray = R_raw_rect_ * Eigen::Vector3d(x, y, 1.0);
-    if (ray.z() <= 0.0) return std::nullopt;
-    const double x_raw = ray.x() / ray.z();
-    const double y_raw = ray.y() / ray.z();
-    if (std::hypot(x_raw, y_raw) > largest_tangent_) return std::nullopt;
-    const Eigen::Vector2d pixel = ProjectRaw(camera_, x_raw, y_raw);
-    const bool inside =
-        pixel.x() >= 0.0 && pixel.x() <= width_ - 1 && pixel.y() >= 0.0 && pixel.y() <= height_ - 1;
-    return inside ? std::optional(pixel) : std::nullopt;
+    const std::optional<Eigen::Vector2d> pixel = lens_.Project(R_raw_rect_ * Eigen::Vector3d(x, y, 1.0));
+    const bool inside = pixel && pixel->x() >= 0.0 && pixel->x() <= width_ - 1 && pixel->y() >= 0.0 &&
+                        pixel->y() <= height_ - 1;
+    return inside ? pixel : std::nullopt;
   }
+  int width() const { return width_; }
+  int height() const { return height_; }
 
  private:
-  RawCamera camera_;
+  Lens lens_;
   Eigen::Matrix3d R_raw_rect_;
-  double largest_tangent_;
   int width_;
   int height_;
 };
 
-/// How far both cameras see from the rectified axis along (dx, dy), as a tangent.
+/// How far both cameras see from the rectified axis along (dx, dy), as a tangent; at most as far as an image
+/// plane holds with sense: beyond 70 deg a step of the angle is eight pixels for one in the middle.
 double CommonReach(const RawView& left, const RawView& right, double dx, double dy) {
   constexpr double kStep = 0.002;
-  constexpr double kLargest = 20.0;
+  const double kLargest = std::tan(70.0 * M_PI / 180.0);
   double reach = 0.0;
   for (double r = 0.0; r < kLargest && left.Pixel(r * dx, r * dy) && right.Pixel(r * dx, r * dy); r += kStep)
     reach = r;
@@ -121,28 +84,48 @@ bool Filled(const StereoCamera& camera, const RawView& left, const RawView& righ
   return true;
 }
 
+/// "640x480" as numbers; none when it is anything else.
+std::optional<std::pair<int, int>> ParseSize(const std::string& text) {
+  int width = 0, height = 0;
+  char more = 0;
+  constexpr int kSmallest = 16;
+  constexpr int kLargest = 16384;
+  if (std::sscanf(text.c_str(), "%5dx%5d%c", &width, &height, &more) != 2) return std::nullopt;
+  if (std::min(width, height) < kSmallest || std::max(width, height) > kLargest) return std::nullopt;
+  return std::pair{width, height};
+}
+
 /// The widest view that both raw cameras fill. A very wide lens is cut rather than squeezed: flattened, its
 /// middle would lose resolution to stretched corners. Cameras that share little of their views keep black
 /// borders rather than a needle's view.
-StereoCamera ChooseView(const StereoCalibration& calibration, const RawView& left, const RawView& right) {
+StereoCamera ChooseView(const StereoCalibration& calibration, const RectifierConfig& config,
+                        std::pair<int, int> size, const RawView& left, const RawView& right) {
   constexpr double kSmallestZoom = 0.8;
   constexpr double kLargestZoom = 1.5;
-  const double raw_focal_px =
-      0.25 * (calibration.left.fx + calibration.left.fy + calibration.right.fx + calibration.right.fy);
+  const Eigen::Vector2d left_focal_px = Lens(calibration.left).focal_px();
+  const Eigen::Vector2d right_focal_px = Lens(calibration.right).focal_px();
+  // Images of another size show the same view, larger or smaller.
+  const double scale =
+      std::hypot(size.first, size.second) / std::hypot(calibration.width, calibration.height);
+  const double raw_focal_px = 0.25 * scale * (left_focal_px.sum() + right_focal_px.sum());
   const double x_min = -CommonReach(left, right, -1, 0);
   const double x_max = CommonReach(left, right, 1, 0);
   const double y_min = -CommonReach(left, right, 0, -1);
   const double y_max = CommonReach(left, right, 0, 1);
 
   StereoCamera camera;
-  camera.width = calibration.width;
-  camera.height = calibration.height;
+  camera.width = size.first;
+  camera.height = size.second;
   camera.baseline_m = calibration.baseline_m();
   const auto zoom_to = [&](double focal_px) {
     camera.fx = camera.fy = focal_px;
     camera.cx = 0.5 * (camera.width - 1) - focal_px * 0.5 * (x_min + x_max);
     camera.cy = 0.5 * (camera.height - 1) - focal_px * 0.5 * (y_min + y_max);
   };
+  if (config.rectified_focal_px > 0.0) {
+    zoom_to(config.rectified_focal_px);
+    return camera;
+  }
   double low = kSmallestZoom * raw_focal_px;
   double high = kLargestZoom * raw_focal_px;
   zoom_to(low);
@@ -169,9 +152,9 @@ std::vector<Rectifier::Tap> TapsFor(const StereoCamera& camera, const RawView& v
         taps.push_back({-1, 0, 0});
         continue;
       }
-      const int u0 = std::min(static_cast<int>(pixel->x()), camera.width - 2);
-      const int v0 = std::min(static_cast<int>(pixel->y()), camera.height - 2);
-      taps.push_back({v0 * camera.width + u0,
+      const int u0 = std::min(static_cast<int>(pixel->x()), view.width() - 2);
+      const int v0 = std::min(static_cast<int>(pixel->y()), view.height() - 2);
+      taps.push_back({v0 * view.width() + u0,
                       static_cast<std::uint16_t>(std::lround((pixel->x() - u0) * kUnitsPerPixel)),
                       static_cast<std::uint16_t>(std::lround((pixel->y() - v0) * kUnitsPerPixel))});
     }
@@ -180,8 +163,8 @@ std::vector<Rectifier::Tap> TapsFor(const StereoCamera& camera, const RawView& v
 }
 
 /// Whole numbers only: the same bits on every processor. Black where the raw camera saw nothing.
-cv::Mat1b Remap(const GrayImage& raw, const std::vector<Rectifier::Tap>& taps) {
-  cv::Mat1b out(raw.height, raw.width);
+cv::Mat1b Remap(const GrayImage& raw, const std::vector<Rectifier::Tap>& taps, const StereoCamera& camera) {
+  cv::Mat1b out(camera.height, camera.width);
   const std::uint8_t* pixels = raw.data.data();
   const int stride = raw.width;
   std::uint8_t* to = out.data;
@@ -205,14 +188,36 @@ cv::Mat1b Copy(const GrayImage& image) {
 
 }  // namespace
 
-Rectifier::Rectifier(const StereoCalibration& calibration) {
+std::vector<std::string> RectifierConfig::Problems() const {
+  std::vector<std::string> problems;
+  if (rectified_focal_px != 0.0 && !(rectified_focal_px >= 10.0 && rectified_focal_px <= 20000.0)) {
+    problems.push_back("rectified_focal_px must be 0 or lie between 10 and 20000");
+  }
+  if (!rectified_size.empty() && !ParseSize(rectified_size)) {
+    problems.push_back("rectified_size must be empty or read WIDTHxHEIGHT, from 16x16 to 16384x16384");
+  }
+  return problems;
+}
+
+std::pair<int, int> RectifiedSize(const StereoCalibration& calibration, const RectifierConfig& config) {
+  if (const auto size = ParseSize(config.rectified_size)) return *size;
+  // Where the raw rows point to in the rectified image.
+  const Eigen::Vector3d row = RotationsFor(calibration.T_rawright_rawleft).R_rect_rawleft.col(0);
+  const bool turned = std::abs(row.y()) > std::abs(row.x());
+  return turned ? std::pair{calibration.height, calibration.width}
+                : std::pair{calibration.width, calibration.height};
+}
+
+Rectifier::Rectifier(const StereoCalibration& calibration, const RectifierConfig& config)
+    : raw_width_(calibration.width), raw_height_(calibration.height) {
   const std::vector<std::string> problems = calibration.Problems();
   if (!problems.empty()) {
     std::string text;
     for (const std::string& problem : problems) text += (text.empty() ? "" : "\n") + problem;
     throw std::invalid_argument(text);
   }
-  pass_through_ = calibration.rectified();
+  pass_through_ =
+      calibration.rectified() && config.rectified_focal_px == 0.0 && config.rectified_size.empty();
   if (pass_through_) {
     const RawCamera& left = calibration.left;
     camera_ = {calibration.width, calibration.height,      left.fx, left.fy, left.cx,
@@ -223,22 +228,22 @@ Rectifier::Rectifier(const StereoCalibration& calibration) {
   R_rect_raw_ = rotations.R_rect_rawleft;
   const RawView left(calibration.left, rotations.R_rect_rawleft, calibration.width, calibration.height);
   const RawView right(calibration.right, rotations.R_rect_rawright, calibration.width, calibration.height);
-  camera_ = ChooseView(calibration, left, right);
+  camera_ = ChooseView(calibration, config, RectifiedSize(calibration, config), left, right);
   left_taps_ = TapsFor(camera_, left);
   right_taps_ = TapsFor(camera_, right);
 }
 
 StereoFrame Rectifier::Rectify(FrameId frame_id, const StereoPair& pair) const {
   for (const GrayImage* image : {&pair.left, &pair.right}) {
-    TERRACE_CHECK(image->width == camera_.width && image->height == camera_.height &&
+    TERRACE_CHECK(image->width == raw_width_ && image->height == raw_height_ &&
                       image->data.size() == static_cast<std::size_t>(image->width) * image->height,
                   image->width, image->height, image->data.size());
   }
   StereoFrame frame;
   frame.frame_id = frame_id;
   frame.t_capture = pair.t_capture;
-  frame.left = pass_through_ ? Copy(pair.left) : Remap(pair.left, left_taps_);
-  frame.right = pass_through_ ? Copy(pair.right) : Remap(pair.right, right_taps_);
+  frame.left = pass_through_ ? Copy(pair.left) : Remap(pair.left, left_taps_, camera_);
+  frame.right = pass_through_ ? Copy(pair.right) : Remap(pair.right, right_taps_, camera_);
   return frame;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -40,10 +41,21 @@ void Save(const cv::Mat3b& picture, const std::string& path) {
   std::printf("%s: %dx%d\n", path.c_str(), picture.cols, picture.rows);
 }
 
+/// Rectifies as the replay did.
+Rectifier RectifierOf(const StereoCalibration& calibration, const StereoCamera& camera) {
+  const Rectifier by_default(calibration);
+  const StereoCamera& view = by_default.camera();
+  if (view.width == camera.width && view.height == camera.height && std::abs(view.fx - camera.fx) < 1e-6)
+    return by_default;
+  return Rectifier(calibration,
+                   {camera.fx, std::to_string(camera.width) + "x" + std::to_string(camera.height)});
+}
+
 /// The wanted frame of a sequence, rectified: by number, by time, or the last one that has a pose.
-StereoFrame FindFrame(const DrawOptions& options, const std::vector<ResultPose>& trajectory) {
+StereoFrame FindFrame(const DrawOptions& options, const StereoCamera& camera,
+                      const std::vector<ResultPose>& trajectory) {
   const auto sequence = OpenSequence(options.sequence);
-  const Rectifier rectifier(sequence->info().calibration);
+  const Rectifier rectifier = RectifierOf(sequence->info().calibration, camera);
   const std::int64_t last_ns = trajectory.empty() ? 0 : trajectory.back().t_capture.ns;
   const std::int64_t wanted_ns = options.time_ns >= 0 ? options.time_ns : last_ns;
   while (const std::optional<SensorFrame> frame = sequence->Next()) {
@@ -59,11 +71,11 @@ StereoFrame FindFrame(const DrawOptions& options, const std::vector<ResultPose>&
 void DrawFrameOf(const DrawOptions& options) {
   const std::filesystem::path folder = options.result;
   const std::vector<ResultPose> trajectory = ReadTrajectoryFile(folder / "trajectory.tum");
-  const StereoFrame frame = FindFrame(options, trajectory);
+  const ResultCamera camera = ReadCameraFile(folder / "camera.json");
+  const StereoFrame frame = FindFrame(options, camera.camera, trajectory);
   const auto pose = std::find_if(trajectory.begin(), trajectory.end(),
                                  [&](const ResultPose& p) { return p.t_capture == frame.t_capture; });
   if (pose == trajectory.end()) throw std::runtime_error(options.result + ": that frame has no pose");
-  const ResultCamera camera = ReadCameraFile(folder / "camera.json");
   const TerrainMap map = ReadTerrainMapFile(folder / "terrain_map.json");
   Save(DrawFrame(map, frame.left, camera.camera, pose->T_world_left), options.picture);
 }

@@ -12,6 +12,7 @@
 #include "datasets/file_bytes.h"
 #include "evaluation/evaluation.h"
 #include "evaluation/evaluation_text.h"
+#include "evaluation/feet_picture.h"
 #include "evaluation/report.h"
 #include "tools/commands.h"
 #include "tools/evaluate_all.h"
@@ -27,6 +28,8 @@ struct EvaluateArguments {
   std::vector<std::string> include;
   std::string run;
   std::string list;
+  std::vector<std::string> families;
+  std::string seeds = "1-4";
   std::string output;
   std::string baseline;
   std::string write_baseline;
@@ -54,6 +57,8 @@ void EvaluateFolder(const EvaluateArguments& arguments) {
       EvaluateResult(result, arguments.result_and_sequence[1], OptionsOf(arguments.include));
   WriteText(result / "evaluation.json", ToJson(evaluation));
   WriteText(result / "report.html", ToReport(evaluation));
+  const ColourImage feet = evaluation.feet ? PictureOfFeet(*evaluation.feet) : ColourImage{};
+  if (!feet.data.empty()) WriteFileBytes(result / "feet.png", EncodePng(feet));
   std::fputs(ToTable(evaluation).c_str(), stdout);
 }
 
@@ -70,6 +75,8 @@ void EvaluatePair(const EvaluateArguments& arguments) {
 void EvaluateList(const EvaluateArguments& arguments) {
   EvaluateAllArguments all;
   all.list = arguments.list;
+  all.families = arguments.families;
+  all.seeds = arguments.seeds;
   all.output = arguments.output;
   all.num_jobs = arguments.num_jobs;
   all.run = !arguments.no_run;
@@ -81,17 +88,19 @@ void EvaluateList(const EvaluateArguments& arguments) {
 
 void Run(const EvaluateArguments& arguments) {
   const bool one_result = !arguments.result_and_sequence.empty();
-  const int num_ways =
-      one_result + !arguments.pair.empty() + !arguments.run.empty() + !arguments.list.empty();
+  const int num_ways = one_result + !arguments.pair.empty() + !arguments.run.empty() +
+                       !arguments.list.empty() + !arguments.families.empty();
   if (num_ways != 1 || (one_result && arguments.result_and_sequence.size() != 2)) {
-    throw UsageError("evaluate wants one of: RESULT_DIR SEQUENCE, --pair D TRUTH, --run LINE, --all LIST");
+    throw UsageError(
+        "evaluate wants one of: RESULT_DIR SEQUENCE, --pair D TRUTH, --run LINE, --all LIST, --family NAME");
   }
-  if ((!arguments.run.empty() || !arguments.list.empty()) && arguments.output.empty()) {
-    throw UsageError("evaluate: --run and --all want --output DIR");
+  const bool many = !arguments.list.empty() || !arguments.families.empty();
+  if ((!arguments.run.empty() || many) && arguments.output.empty()) {
+    throw UsageError("evaluate: --run, --all and --family want --output DIR");
   }
   if (one_result) return EvaluateFolder(arguments);
   if (!arguments.pair.empty()) return EvaluatePair(arguments);
-  if (!arguments.list.empty()) return EvaluateList(arguments);
+  if (many) return EvaluateList(arguments);
   RunJob(ParseJob(arguments.run, "--run"), std::filesystem::current_path(), arguments.output);
 }
 
@@ -101,9 +110,9 @@ void AddEvaluateCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("evaluate", "Measure a replay, or one disparity image, against the truth");
   auto arguments = std::make_shared<EvaluateArguments>();
-  command->add_option(
-      "RESULT_DIR SEQUENCE", arguments->result_and_sequence,
-      "what terraced replay wrote, and what it read; writes RESULT_DIR/evaluation.json and report.html");
+  command->add_option("RESULT_DIR SEQUENCE", arguments->result_and_sequence,
+                      "what terraced replay wrote, and what it read; writes RESULT_DIR/evaluation.json, "
+                      "report.html and feet.png");
   command->add_option("--include", arguments->include, "true polygons to ask for besides the ordinary ones")
       ->check(CLI::IsMember({"other", "detail"}))
       ->delimiter(',');
@@ -121,11 +130,18 @@ void AddEvaluateCommand(CLI::App& app) {
       "replay and evaluate one line of a list: \"name sequence [options of terraced replay]\"");
   CLI::Option* all =
       command->add_option("--all", arguments->list, "replay and evaluate every line of a list");
-  command->add_option("--output", arguments->output, "of --run and --all: results go to DIR/name")
+  CLI::Option* family =
+      command
+          ->add_option("--family", arguments->families,
+                       "replay and evaluate places of these families of scenes, or of all; prints one table")
+          ->delimiter(',')
+          ->excludes(all);
+  command->add_option("--seeds", arguments->seeds, "of --family: ONE or FIRST-LAST")
+      ->capture_default_str()
+      ->needs(family);
+  command->add_option("--output", arguments->output, "of --run, --all and --family: results go to DIR/name")
       ->type_name("DIR");
-  command->add_option("--jobs", arguments->num_jobs, "sequences at a time")
-      ->check(CLI::Range(1, 1024))
-      ->needs(all);
+  command->add_option("--jobs", arguments->num_jobs, "sequences at a time")->check(CLI::Range(1, 1024));
   command
       ->add_option("--baseline", arguments->baseline,
                    "stored figures to compare with; exit code 1 when worse")
@@ -134,7 +150,7 @@ void AddEvaluateCommand(CLI::App& app) {
   command->add_option("--write-baseline", arguments->write_baseline, "store the figures here")
       ->type_name("FILE")
       ->needs(all);
-  command->add_flag("--no-run", arguments->no_run, "compare the results that are already in DIR")->needs(all);
+  command->add_flag("--no-run", arguments->no_run, "compare the results that are already in DIR");
   command->add_flag("--skip-missing", arguments->skip_missing, "leave out sequences that are not here")
       ->needs(all);
   command->callback([arguments] { Run(*arguments); });

@@ -20,6 +20,8 @@
 
 #include "datasets/file_bytes.h"
 #include "evaluation/baseline.h"
+#include "evaluation/family_table.h"
+#include "tools/family_jobs.h"
 
 namespace terrace {
 namespace {
@@ -121,18 +123,34 @@ fs::path Render(const EvaluationJob& job, const fs::path& output) {
   return folder;
 }
 
+/// Appends the jobs of a line.
+void AddJobs(const EvaluationJob& line, const std::string& where, std::vector<EvaluationJob>* jobs) {
+  for (EvaluationJob& job : ExpandFamily(line, where)) {
+    const bool again = std::any_of(jobs->begin(), jobs->end(),
+                                   [&](const EvaluationJob& other) { return other.name == job.name; });
+    if (again) throw FileError(where + ": the name '" + job.name + "' is used twice");
+    jobs->push_back(std::move(job));
+  }
+}
+
 std::vector<EvaluationJob> ReadList(const fs::path& list) {
   std::vector<EvaluationJob> jobs;
-  std::set<std::string> names;
   std::istringstream in(ReadTextFile(list));
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string::npos || line[first] == '#') continue;
     const std::string where = list.string() + ":" + std::to_string(number);
-    jobs.push_back(ParseJob(line, where));
-    if (!names.insert(jobs.back().name).second) throw FileError(where + ": the name is used twice");
+    AddJobs(ParseJob(line, where), where, &jobs);
   }
+  return jobs;
+}
+
+std::vector<EvaluationJob> JobsOf(const EvaluateAllArguments& arguments) {
+  if (!arguments.list.empty()) return ReadList(arguments.list);
+  std::vector<EvaluationJob> jobs;
+  for (const EvaluationJob& line : FamilyLines(arguments.families, arguments.seeds))
+    AddJobs(line, "--seeds", &jobs);
   return jobs;
 }
 
@@ -214,7 +232,7 @@ bool EvaluateAll(const EvaluateAllArguments& arguments) {
   baseline.figures = DefaultFigures();
   if (arguments.baseline)
     baseline = ParseBaseline(ReadTextFile(*arguments.baseline), arguments.baseline->string());
-  std::vector<EvaluationJob> jobs = ReadList(arguments.list);
+  std::vector<EvaluationJob> jobs = JobsOf(arguments);
   std::set<std::string> failed;
   std::erase_if(jobs, [&](const EvaluationJob& job) {
     if (IsScene(job) || Find(job, arguments.list.parent_path())) return false;
@@ -226,6 +244,7 @@ bool EvaluateAll(const EvaluateAllArguments& arguments) {
   if (arguments.run) failed.merge(RunJobs(jobs, arguments));
 
   std::map<std::string, Figures> measured;
+  FamilyEvaluations families;
   for (const EvaluationJob& job : jobs) {
     const fs::path file = arguments.output / job.name / "evaluation.json";
     if (failed.contains(job.name)) continue;
@@ -233,10 +252,13 @@ bool EvaluateAll(const EvaluateAllArguments& arguments) {
       failed.insert(job.name);
       continue;
     }
-    measured[job.name] = FiguresOf(ReadTextFile(file), file.string(), baseline.figures);
+    const std::string text = ReadTextFile(file);
+    measured[job.name] = FiguresOf(text, file.string(), baseline.figures);
+    if (!job.group.empty()) families[job.group].push_back(text);
   }
   const BaselineComparison comparison = Compare(baseline, measured, {failed.begin(), failed.end()});
   std::fputs(comparison.table.c_str(), stdout);
+  if (!families.empty()) std::printf("\n%s", TableOfFamilies(families).c_str());
   for (const std::string& sentence : comparison.worse) std::printf("worse: %s\n", sentence.c_str());
   if (arguments.write_baseline) {
     for (const auto& [name, figures] : measured) baseline.sequences[name] = figures;

@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include "datasets/synthetic/family.h"
 #include "datasets/synthetic/scene_file.h"
 #include "datasets/synthetic/synthesis.h"
 #include "tools/commands.h"
@@ -46,13 +48,20 @@ void ShowProgress(int done, int of) {
   }
 }
 
-void Run(const Options& options) {
-  synthetic::Scene scene;
+/// A file, a shipped scene, or `family:NAME`, a place drawn by the seed.
+synthetic::Scene SceneOf(const Options& options) {
+  constexpr std::string_view kFamilyPrefix = "family:";
   try {
-    scene = synthetic::LoadScene(synthetic::FindScene(options.scene));
+    if (options.scene.starts_with(kFamilyPrefix))
+      return synthetic::DrawPlace(options.scene.substr(kFamilyPrefix.size()), options.config.seed);
+    return synthetic::LoadScene(synthetic::FindScene(options.scene));
   } catch (const synthetic::SceneError& error) {
     throw UsageError(error.what());
   }
+}
+
+void Run(const Options& options) {
+  synthetic::Scene scene = SceneOf(options);
   if (!options.motion.empty()) {
     scene.motion.kind = *synthetic::MotionKindFromName(options.motion);
     scene.motion.duration_s = 0.0;  // that of the scene belongs to its own motion
@@ -77,9 +86,14 @@ void AddSynthesizeCommand(CLI::App& app) {
       "synthesize", "Render a stereo sequence of a known world, with exact truth, as an EuRoC folder");
   auto options = std::make_shared<Options>();
   synthetic::SynthesisConfig& config = options->config;
-  command->add_option("SCENE", options->scene, "name of a shipped scene, or a YAML file")->required();
+  command
+      ->add_option(
+          "SCENE", options->scene,
+          "name of a shipped scene, a YAML file, or family:NAME, a place drawn at random by the seed")
+      ->required();
   command->add_option("OUT", options->out, "folder to write")->required();
-  command->add_option("--seed", config.seed, "of noise, gait and sensors")->capture_default_str();
+  command->add_option("--seed", config.seed, "of noise, gait and sensors, and of a family's place")
+      ->capture_default_str();
   command->add_option("--frames", config.max_frames, "at most so many; 0: as long as the motion lasts");
   command->add_option("--rate", config.rate_hz, "stereo frames a second; 0: the scene's");
   command->add_option("--motion", options->motion, "instead of the scene's")

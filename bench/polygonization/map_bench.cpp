@@ -41,11 +41,11 @@ const Walk& TheWalk() {
 void BM_Map(benchmark::State& state) {
   const Walk& walk = TheWalk();
   for (auto _ : state) {
-    TerrainOctree octree({}, walk.camera);
+    TerrainOctree octree(MappingConfig{});
     CellModeller modeller({});
     PolygonMerger merger({});
     for (int i = 0; i < kNumFrames; ++i) {
-      const ChangedCells cells = octree.Insert(walk.clouds[i], walk.poses[i]);
+      const ChangedCells cells = octree.Insert(walk.clouds[i], walk.camera, walk.poses[i]);
       if (state.range(0) == 1) continue;
       const PatchUpdate patches = modeller.Fit(octree, cells);
       if (state.range(0) == 2) continue;

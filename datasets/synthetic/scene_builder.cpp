@@ -446,6 +446,16 @@ void SceneBuilder::AddSpiral(const SpiralSpec& s, int material, int riser_materi
                         material);
     face.detail = 2.0 * s.inner_m * std::sin(0.5 * std::abs(turn)) < 0.1;
   }
+  // On the ground it leaves out the way round it: along the outside, and back around the column.
+  Ring footprint;
+  for (int i = 0; i < n; ++i) footprint.push_back(at(s.outer_m, i, 0));
+  for (int i = 1; i <= wedges; ++i) footprint.push_back(at(s.outer_m, n - 1 + i * wedge, 0));
+  footprint.push_back(at(s.inner_m, end, 0));
+  for (int i = static_cast<int>(std::floor(end)) + 1; i < corners; ++i)
+    footprint.push_back(at(s.inner_m, i, 0));
+  footprint.push_back(at(s.inner_m, 0, 0));
+  if (turn < 0.0) std::reverse(footprint.begin(), footprint.end());
+  footprints_.push_back(footprint);
   const double middle = 0.5 * (s.inner_m + s.outer_m);
   stairs.truth.num_risers = n;
   stairs.truth.num_treads = n - 1;

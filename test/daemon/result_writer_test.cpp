@@ -41,6 +41,7 @@ class ResultWriterTest : public testing::Test {
     FrameResult result;
     result.pose.t_capture = Timestamp{ns};
     result.pose.status = status;
+    result.pose.epoch = 2;
     if (status != TrackingStatus::kTracking) result.pose.reason = "covered lens";
     auto map = std::make_shared<TerrainMap>();
     map->t_capture = Timestamp{ns};
@@ -50,7 +51,7 @@ class ResultWriterTest : public testing::Test {
     region->outline_world = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     region->area_m2 = 1.0;
     map->regions.push_back(region);
-    result.map = map;
+    result.change.map = map;
     return result;
   }
 
@@ -76,9 +77,32 @@ TEST_F(ResultWriterTest, ATrackedAndABridgedFrameHaveAPoseAndALostOneHasNone) {
   EXPECT_EQ(lines[1]["covariance"].size(), 36u);
   EXPECT_TRUE(lines[2]["covariance"].is_null());
   EXPECT_TRUE(lines[0]["latency_ms"].is_null());
+  EXPECT_EQ(lines[2]["epoch"], 2);
   const json stats = json::parse(Text("stats.json"));
   EXPECT_EQ(stats["frames"], 3);
   EXPECT_EQ(stats["tracked"], 2);
+}
+
+TEST_F(ResultWriterTest, SaysWhatLiesBeyondEachEdgeOfEachRingAndNullWhereNobodyKnows) {
+  TerrainMap map;
+  auto region = std::make_shared<TerrainRegion>();
+  region->outline_world = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  region->holes_world = {{{0.1, 0.1, 0}, {0.1, 0.2, 0}, {0.2, 0.1, 0}}};
+  region->edges.resize(6);
+  region->edges[1] = {EdgeKind::kDrop, -0.17, 0.004};
+  region->edges[3].kind = EdgeKind::kJoins;
+  region->source = RegionSource::kPredicted;
+  region->why = "too few points";
+  map.regions.push_back(region);
+  const json written = json::parse(TerrainMapJson(map))["regions"][0];
+  EXPECT_EQ(written["predicted"], true);
+  EXPECT_EQ(written["why"], "too few points");
+  ASSERT_EQ(written["edges"].size(), 2u);
+  ASSERT_EQ(written["edges"][0].size(), 3u);
+  ASSERT_EQ(written["edges"][1].size(), 3u);
+  EXPECT_EQ(written["edges"][0][0], (json{{"kind", "limit"}, {"step_m", nullptr}, {"sigma_m", nullptr}}));
+  EXPECT_EQ(written["edges"][0][1], (json{{"kind", "drop"}, {"step_m", -0.17}, {"sigma_m", 0.004}}));
+  EXPECT_EQ(written["edges"][1][0]["kind"], "joins");
 }
 
 TEST_F(ResultWriterTest, TheMapHashIsThatOfTheFile) {
@@ -98,9 +122,9 @@ TEST_F(ResultWriterTest, AStaircaseHasALineOnlyWhenItAppearsOrChanges) {
   ResultWriter writer(dir_, Rig(), 0);
   const auto add = [&](std::int64_t ns, double riser_m) {
     FrameResult result = Frame(ns, TrackingStatus::kTracking);
-    auto map = std::make_shared<TerrainMap>(*result.map);
+    auto map = std::make_shared<TerrainMap>(*result.change.map);
     map->staircases.push_back({.id = 3, .num_risers = 6, .num_treads = 5, .riser_m = riser_m});
-    result.map = map;
+    result.change.map = map;
     writer.AddFrame(result, {});
   };
   add(1, 0.17);

@@ -26,7 +26,7 @@ std::string Describe(const FrameResult& result) {
   text.precision(17);
   text << result.pose.frame_id << ' ' << Name(result.pose.status) << ' ' << result.pose.reason << '\n'
        << result.pose.T_world_left.matrix() << '\n'
-       << TerrainMapJson(*result.map);
+       << TerrainMapJson(*result.change.map);
   return text.str();
 }
 
@@ -70,9 +70,10 @@ TEST(PipelineTest, BuildsNothingOnAPoseInDoubt) {
     const auto disparity = pipeline.Match(frame);
     TrackedPose tracked;
     tracked.pose.status = TrackingStatus::kTracking;
+    tracked.pose.trusted = !in_doubt;
     if (in_doubt) tracked.pose.reason = "another motion explains nearly as much";
     const FrameResult result = pipeline.Map(disparity, tracked);
-    EXPECT_EQ(result.map_cells == 0, in_doubt);
+    EXPECT_EQ(result.change.map_cells == 0, in_doubt);
     EXPECT_EQ(result.pose.reason.empty(), !in_doubt);
   }
 }

@@ -162,6 +162,8 @@ TEST_F(EvaluationTest, WritesTheFiguresThatOtherProgramsRead) {
   for (const char* label : {"walkway", "wall", "obstacle", "stair_tread", "stair_riser"}) {
     EXPECT_NEAR(json["map"]["iou"][label].get<double>(), 1.0, 1e-9) << label;
   }
+  EXPECT_NEAR(json["feet"]["unsupported_pct"].get<double>(), 0.0, 1e-9);
+  EXPECT_TRUE(json["feet"]["offered_pct"].is_null());  // no label image says what was well seen
   EXPECT_EQ(json["staircases"]["recall"], 0.0);  // none was reported
   EXPECT_NEAR(json["time"]["latency_growth"]["ms_per_1000_cells"].get<double>(), 2.0, 1e-9);
   EXPECT_NEAR(json["time"]["latency_growth"]["ms_per_100_regions"].get<double>(), 10.0, 1e-9);

@@ -34,8 +34,8 @@ void ExpectPerfect(const MapEvaluation& evaluation) {
   EXPECT_NEAR(evaluation.support_plane_rms_m, 0.0, kExact);
   EXPECT_NEAR(evaluation.plane_p95_m, 0.0, kExact);
   EXPECT_NEAR(evaluation.normal_p95_deg, 0.0, 1e-5);
-  EXPECT_NEAR(evaluation.edge_p95_m, 0.0, kExact);
-  EXPECT_GT(evaluation.num_edge_samples, 100);
+  EXPECT_NEAR(evaluation.edges.p95_m, 0.0, kExact);
+  EXPECT_GT(evaluation.edges.count, 100);
   EXPECT_NEAR(evaluation.over_segmentation, 1.0, kExact);
   EXPECT_NEAR(evaluation.under_segmentation, 1.0, kExact);
   EXPECT_NEAR(evaluation.label_accuracy, 1.0, kExact);
@@ -63,7 +63,7 @@ TEST(MapEvaluationTest, GivesPerfectMarksInWhateverWorldTheResultWasMade) {
   EXPECT_NEAR(evaluation.coverage, 1.0, kExact);
   EXPECT_NEAR(evaluation.ghost_area, 0.0, kExact);
   EXPECT_NEAR(evaluation.plane_p95_m, 0.0, kExact);
-  EXPECT_NEAR(evaluation.edge_p95_m, 0.0, kExact);
+  EXPECT_NEAR(evaluation.edges.p95_m, 0.0, kExact);
   EXPECT_NEAR(evaluation.mean_iou(), 1.0, kExact);
 }
 
@@ -137,11 +137,21 @@ TEST(MapEvaluationTest, PunishesASwappedLabelOnBothSides) {
   EXPECT_NEAR(evaluation.coverage, 1.0, kExact);
 }
 
-TEST(MapEvaluationTest, TakesALevelForAnObstacle) {
-  const TrueScene truth = SmallWorld();
+TEST(MapEvaluationTest, TellsALevelFromAnObstacle) {
+  TrueScene truth = SmallWorld();
   const TerrainMap map =
       WithRegion(MapOf(truth), 3, [](TerrainRegion& chest) { chest.label = TerrainLabel::kLevel; });
+  EXPECT_NEAR(Evaluate(map, truth).confusion_m2.at("obstacle").at("level"), 200 * kCell_m2, kExact);
+  truth.polygons[2].label = "level";
   ExpectPerfect(Evaluate(map, truth));
+}
+
+TEST(MapEvaluationTest, TakesWhatIsPredictedForNothing) {
+  const TrueScene truth = SmallWorld();
+  const TerrainMap map = WithRegion(MapOf(truth), 24, [](TerrainRegion& tread) { tread.source = RegionSource::kPredicted; });
+  const MapEvaluation evaluation = Evaluate(map, truth);
+  EXPECT_NEAR(evaluation.labels.at("stair_tread").iou(), 0.9, kExact);
+  EXPECT_NEAR(evaluation.result_m2, (kSmallWorldCells - 245) * kCell_m2, kExact);
 }
 
 TEST(MapEvaluationTest, CountsARegionInMidAirAsGhost) {
@@ -232,12 +242,27 @@ TEST(MapEvaluationTest, MeasuresHowFarRegionsReachBeyondTrueEdges) {
     map.regions[0] = std::make_shared<const TerrainRegion>(region);
     return Evaluate(map, truth);
   };
-  EXPECT_NEAR(grown(0.03).edge_median_m, 0.03, kExact);
-  EXPECT_NEAR(grown(0.03).edge_bias_m, 0.03, kExact);
-  EXPECT_NEAR(grown(-0.01).edge_median_m, 0.01, kExact);
-  EXPECT_NEAR(grown(-0.01).edge_bias_m, -0.01, kExact);
+  EXPECT_NEAR(grown(0.03).edges.median_m, 0.03, kExact);
+  EXPECT_NEAR(grown(0.03).edges.bias_m, 0.03, kExact);
+  EXPECT_NEAR(grown(-0.01).edges.median_m, 0.01, kExact);
+  EXPECT_NEAR(grown(-0.01).edges.bias_m, -0.01, kExact);
   // 12 m of edge, a sample every 2 cm.
-  EXPECT_EQ(grown(0.03).num_edge_samples, 600);
+  EXPECT_EQ(grown(0.03).edges.count, 600);
+}
+
+TEST(MapEvaluationTest, CountsAnEdgeThatNothingCoversAsTwentyCentimetresOff) {
+  TrueScene truth;
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
+  truth.polygons.push_back(Rectangle(1, "walkway", {0, 0, 0}, x, y, 50, 50));
+  truth.polygons.push_back(Rectangle(2, "walkway", {0, 0, 1}, x, y, 25, 25));
+  // The lower one is found exactly, the upper one, with half the edge, not at all.
+  const MapEvaluation evaluation = Evaluate(WithRegion(MapOf(truth), 2, nullptr), truth);
+  EXPECT_EQ(evaluation.edges.count, 600);
+  EXPECT_NEAR(evaluation.edges.median_m, 0.0, kExact);
+  EXPECT_NEAR(evaluation.edges.p95_m, 0.2, kExact);
+  EXPECT_NEAR(evaluation.edges.covered_p95_m, 0.0, kExact);
+  EXPECT_NEAR(evaluation.edges.missed_share, 1.0 / 3.0, kExact);
+  EXPECT_NEAR(evaluation.edges.bias_m, 0.0, kExact);
 }
 
 TEST(MapEvaluationTest, CountsPiecesOfOnePolygonAndPolygonsUnderOneRegion) {

@@ -44,7 +44,11 @@ constexpr const char* kMap = R"({"format": "terrace-map", "version": 1, "t_captu
   "regions": [{"id": 17, "revision": 4, "label": "stair_tread", "confidence": 0.97, "normal": [0,0,1],
     "offset_m": 0.17, "rms_m": 0.003, "area_m2": 0.75, "outline": [[0,0,0.17],[1,0,0.17],[1,1,0.17],[0,1,0.17]],
     "holes": [[[0.25,0.25,0.17],[0.25,0.75,0.17],[0.75,0.75,0.17],[0.75,0.25,0.17]]],
-    "staircase": 3, "step_index": 1, "first_seen_ns": 5, "last_seen_ns": 9}],
+    "staircase": 3, "step_index": 1, "first_seen_ns": 5, "last_seen_ns": 9, "predicted": true, "why": "",
+    "edges": [[{"kind": "drop", "step_m": -0.17, "sigma_m": 0.004}, {"kind": "limit", "step_m": null, "sigma_m": null},
+               {"kind": "rise", "step_m": 0.17, "sigma_m": null}, {"kind": "joins", "step_m": null, "sigma_m": null}],
+              [{"kind": "limit", "step_m": null, "sigma_m": null}, {"kind": "limit", "step_m": null, "sigma_m": null},
+               {"kind": "limit", "step_m": null, "sigma_m": null}, {"kind": "drop", "step_m": null, "sigma_m": null}]]}],
   "staircases": [{"id": 3, "num_steps": 6, "num_treads": 5, "riser_m": 0.17, "tread_m": 0.28, "width_m": 1.4,
     "direction_world": [1,0,0], "base_world": [7.2,0,0], "confidence": 0.98, "region_ids": [17]}]})";
 
@@ -66,6 +70,11 @@ TEST_F(ResultFilesTest, ReadsRegionsAndStaircasesOfAMap) {
   EXPECT_EQ(map.regions[0]->label, TerrainLabel::kStairTread);
   EXPECT_EQ(map.regions[0]->holes_world.size(), 1u);
   EXPECT_EQ(map.regions[0]->staircase_id, 3);
+  EXPECT_TRUE(map.regions[0]->predicted());
+  ASSERT_EQ(map.regions[0]->edges.size(), 8u);
+  EXPECT_EQ(map.regions[0]->edges[0], (RegionEdge{EdgeKind::kDrop, -0.17, 0.004}));
+  EXPECT_EQ(map.regions[0]->edges[2], (RegionEdge{EdgeKind::kRise, 0.17, {}}));
+  EXPECT_EQ(map.regions[0]->edges[7].kind, EdgeKind::kDrop);
   ASSERT_EQ(map.staircases.size(), 1u);
   const Staircase& staircase = map.staircases[0];
   EXPECT_TRUE(staircase.base_world().isApprox(Eigen::Vector3d(7.2, 0, 0)));
@@ -80,6 +89,11 @@ TEST_F(ResultFilesTest, NamesFilePlaceAndRuleOfWhatIsWrong) {
   const auto wrong_label = Write("terrain_map.json", text);
   EXPECT_THAT(ErrorOf([&] { ReadTerrainMapFile(wrong_label); }),
               HasSubstr("terrain_map.json regions[0] label: 'stair_trade' is not a label"));
+  text = kMap;
+  text.replace(text.find("rise"), 4, "wall");
+  const auto wrong_edge = Write("terrain_map.json", text);
+  EXPECT_THAT(ErrorOf([&] { ReadTerrainMapFile(wrong_edge); }),
+              HasSubstr("kind: must be limit, drop, rise or joins"));
 
   const auto backwards = Write("trajectory.tum", "2.0 0 0 0 0 0 0 1\n1.0 0 0 0 0 0 0 1\n");
   EXPECT_THAT(ErrorOf([&] { ReadTrajectoryFile(backwards); }), HasSubstr("trajectory.tum:2: time must rise"));

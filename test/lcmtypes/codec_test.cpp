@@ -31,16 +31,14 @@ void ExpectSameRegion(const TerrainRegion& a, const TerrainRegion& b) {
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.label, b.label);
   EXPECT_NEAR(a.confidence, b.confidence, kFloatRelative);
-  for (int i = 0; i < kNumTerrainLabels; ++i)
-    EXPECT_NEAR(a.label_probability[i], b.label_probability[i], kFloatRelative);
   EXPECT_NEAR((a.plane_world.normal - b.plane_world.normal).norm(), 0.0, 1e-12);
   EXPECT_NEAR(a.plane_world.offset_m, b.plane_world.offset_m, 1e-12);
   EXPECT_TRUE(a.plane_covariance.isApprox(b.plane_covariance, kFloatRelative));
   EXPECT_NEAR(a.rms_m, b.rms_m, kFloatM);
   EXPECT_NEAR(a.area_m2, b.area_m2, kFloatM);
   EXPECT_NEAR(a.support, b.support, kFloatRelative);
-  EXPECT_EQ(a.edge_kinds, b.edge_kinds);
-  EXPECT_EQ(a.predicted, b.predicted);
+  EXPECT_EQ(a.edges, b.edges);
+  EXPECT_EQ(a.source, b.source);
   EXPECT_EQ(a.num_observations, b.num_observations);
   EXPECT_EQ(a.first_seen, b.first_seen);
   EXPECT_EQ(a.last_seen, b.last_seen);
@@ -158,6 +156,17 @@ TEST(CodecTest, CarriesCalibrationsExactly) {
   EXPECT_FALSE(back->T_body_imu);
   EXPECT_EQ(back->imu_noise.gyro_density, calibration.imu_noise.gyro_density);
   EXPECT_EQ(back->imu_noise.accel_walk, calibration.imu_noise.accel_walk);
+}
+
+TEST(CodecTest, CarriesEveryLensModel) {
+  for (int i = 0; i <= static_cast<int>(DistortionModel::kPolynomial); ++i) {
+    StereoCalibration calibration;
+    calibration.left = calibration.right = {400, 401, 320, 240, static_cast<DistortionModel>(i), {0.1, 0.2}};
+    const auto back = FromMessage(ToMessage(calibration, {0}));
+    ASSERT_TRUE(back) << i;
+    EXPECT_EQ(back->left.model, calibration.left.model);
+    EXPECT_EQ(back->right.distortion, calibration.right.distortion);
+  }
 }
 
 TEST(CodecTest, ChangesTheHashOfACalibrationWithItsContentAlone) {

@@ -20,8 +20,6 @@ class ExampleMaps {
     region->revision = revision;
     region->label = static_cast<TerrainLabel>(Int(0, kNumTerrainLabels - 1));
     region->confidence = Real(0.0, 1.0);
-    for (double& p : region->label_probability) p = Real(0.0, 1.0);
-    region->label_probability[static_cast<std::size_t>(region->label)] = region->confidence;
     region->plane_world.normal = Eigen::Vector3d(Real(-1, 1), Real(-1, 1), Real(0.1, 1)).normalized();
     region->plane_world.offset_m = Real(-2.0, 2.0);
     region->plane_covariance = Eigen::Vector3d(1e-4, 2e-4, 1e-6).asDiagonal();
@@ -35,9 +33,9 @@ class ExampleMaps {
     std::size_t num_vertices = region->outline_world.size();
     for (const Ring& hole : region->holes_world) num_vertices += hole.size();
     for (std::size_t i = 0; i < num_vertices; ++i)
-      region->edge_kinds.push_back(static_cast<EdgeKind>(Int(0, 3)));
+      region->edges.push_back({static_cast<EdgeKind>(Int(0, kNumEdgeKinds - 1)), {}, {}});
     region->support = Real(0.0, 1.0);
-    region->predicted = Int(0, 1) == 1;
+    region->source = static_cast<RegionSource>(Int(0, 1));
     region->num_observations = Int(1, 1000);
     region->first_seen = {1600000000000001000};
     region->last_seen = {1600000002000005000};

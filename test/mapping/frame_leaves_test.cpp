@@ -18,24 +18,26 @@ TEST(LeafAddressTest, HoldsLevelAndCorner) {
 }
 
 TEST(FrameLeavesTest, SumsThePointsOfALeafWhereverTheyLieInTheImage) {
-  FrameLeaves leaves(kImageWidth);
+  FrameLeaves leaves;
+  leaves.Clear(kImageWidth);
   const LeafAddress wall(10, 20, 30, 0), floor(10, 20, 29, 0);
   for (int u = 0; u < kImageWidth; ++u) leaves.At(u % 3 == 0 ? wall : floor, u).moments.Add(2.0F, {0, 0, 1});
   ASSERT_EQ(leaves.leaves().size(), 2U);
   EXPECT_EQ(leaves.leaves()[0].address, wall);
   EXPECT_EQ(leaves.leaves()[0].moments.num_points, 22);
   EXPECT_EQ(leaves.leaves()[1].moments.num_points, 42);
-  leaves.Clear();
+  leaves.Clear(kImageWidth);
   EXPECT_TRUE(leaves.leaves().empty());
   EXPECT_EQ(leaves.At(wall, 0).moments.num_points, 0);
 }
 
 TEST(FrameLeavesTest, TellsTheNextFrameWhereALeafIsKept) {
-  FrameLeaves leaves(kImageWidth);
+  FrameLeaves leaves;
+  leaves.Clear(kImageWidth);
   const LeafAddress address(10, 20, 30, 1);
   EXPECT_EQ(leaves.At(address, 5).place.leaf, kNothing);
   leaves.Remember(address, {17, 4});
-  leaves.Clear();
+  leaves.Clear(kImageWidth);
   const FrameLeaf& again = leaves.At(address, 5);
   EXPECT_EQ(again.place.leaf, 17);
   EXPECT_EQ(again.place.cell, 4);
@@ -43,7 +45,8 @@ TEST(FrameLeavesTest, TellsTheNextFrameWhereALeafIsKept) {
 }
 
 TEST(FrameLeavesTest, GrowsWithTheFrameAndForgetsNoPoint) {
-  FrameLeaves leaves(kImageWidth);
+  FrameLeaves leaves;
+  leaves.Clear(kImageWidth);
   constexpr int kMany = 50;
   for (int round = 0; round < 2; ++round)
     for (std::uint16_t x = 0; x < kMany; ++x)

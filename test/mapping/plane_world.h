@@ -98,6 +98,7 @@ inline PoseEstimate LookFrom(FrameId frame_id, double x, double y, double height
   PoseEstimate pose;
   pose.frame_id = frame_id;
   pose.status = TrackingStatus::kTracking;
+  pose.trusted = true;
   Eigen::Matrix3d R_body_left;
   R_body_left << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   pose.T_world_left.linear() = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix() *

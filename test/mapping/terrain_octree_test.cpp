@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <limits>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ constexpr double kSigma_px = 0.1;
 ChangedCells InsertView(const PlaneWorld& world, const PoseEstimate& pose, TerrainOctree* octree,
                         std::mt19937* random) {
   return octree->Insert(world.See(TestCamera(), pose.T_world_left, pose.frame_id, 2, kSigma_px, random),
-                        pose);
+                        TestCamera(), pose);
 }
 
 std::vector<Surfel> SurfelsOf(const TerrainOctree& octree, const CellKey& key) {
@@ -33,7 +34,7 @@ CellKey CellAt(const TerrainOctree& octree, const Eigen::Vector3d& p) {
 TEST(TerrainOctreeTest, PutsTheSurfaceOfALevelFloorWithinAMillimetre) {
   PlaneWorld world;
   world.AddFloor(-1, 4, -2, 2, 0.1);
-  TerrainOctree octree({}, TestCamera());
+  TerrainOctree octree(MappingConfig{});
   std::mt19937 random(1);
   for (int i = 0; i < 10; ++i) InsertView(world, LookFrom(i, 0.02 * i, 0, 0.55, 0, 0.5), &octree, &random);
   const CellKey key = CellAt(octree, {0.9, 0.05, 0.1});
@@ -50,7 +51,7 @@ TEST(TerrainOctreeTest, PutsTheSurfaceOfALevelFloorWithinAMillimetre) {
 TEST(TerrainOctreeTest, ReportsEachChangedCellOnceInAscendingOrder) {
   PlaneWorld world;
   world.AddFloor(-1, 4, -2, 2, 0);
-  TerrainOctree octree({}, TestCamera());
+  TerrainOctree octree(MappingConfig{});
   std::mt19937 random(1);
   const ChangedCells changed = InsertView(world, LookFrom(7, 0, 0, 0.45, 0, 0.5), &octree, &random);
   EXPECT_EQ(changed.frame_id, 7);
@@ -61,7 +62,7 @@ TEST(TerrainOctreeTest, ReportsEachChangedCellOnceInAscendingOrder) {
 TEST(TerrainOctreeTest, ReportsFewCellsWhenTheSameViewComesAgainAndAgain) {
   PlaneWorld world;
   world.AddFloor(-1, 4, -2, 2, 0);
-  TerrainOctree octree({}, TestCamera());
+  TerrainOctree octree(MappingConfig{});
   std::mt19937 random(1);
   std::size_t first = 0, late = 0;
   for (int i = 0; i < 30; ++i) {
@@ -77,7 +78,7 @@ TEST(TerrainOctreeTest, ClearsTheBoxThatHasLeftAndShowsItWhenItComesBack) {
   empty.AddFloor(-1, 4, -2, 2, 0);
   PlaneWorld with_box = empty;
   with_box.AddBox(1.0, 1.3, -0.15, 0.15, 0, 0.25);
-  TerrainOctree octree({}, TestCamera());
+  TerrainOctree octree(MappingConfig{});
   std::mt19937 random(1);
   const Eigen::Vector3d top(1.15, 0.0, 0.25);
   for (int i = 0; i < 10; ++i) InsertView(with_box, LookFrom(i, 0, 0, 0.45, 0, 0.5), &octree, &random);
@@ -100,7 +101,7 @@ TEST(TerrainOctreeTest, ClearsTheFaceThatHasLeftInFrontOfAWallTooFarToBeMapped) 
   with_face.AddFaceTowardsMinusX(1.5, -0.3, 0.3, 0.3, 0.8);
   PlaneWorld wall;
   wall.AddFaceTowardsMinusX(7.0, -6, 6, -5, 6);
-  TerrainOctree octree({}, TestCamera());
+  TerrainOctree octree(MappingConfig{});
   std::mt19937 random(1);
   for (int i = 0; i < 10; ++i) InsertView(with_face, LookFrom(i, 0, 0, 0.45, 0, 0), &octree, &random);
   const CellKey key = CellAt(octree, {1.51, 0.1, 0.55});
@@ -112,7 +113,7 @@ TEST(TerrainOctreeTest, ClearsTheFaceThatHasLeftInFrontOfAWallTooFarToBeMapped) 
     cloud.uncertain = std::move(cloud.points);
     cloud.points.clear();
     ASSERT_GT(cloud.uncertain.size(), 1000U);
-    octree.Insert(cloud, pose);
+    octree.Insert(cloud, TestCamera(), pose);
   }
   EXPECT_TRUE(SurfelsOf(octree, key).empty());
 }
@@ -120,7 +121,7 @@ TEST(TerrainOctreeTest, ClearsTheFaceThatHasLeftInFrontOfAWallTooFarToBeMapped) 
 TEST(TerrainOctreeTest, ReplacesCoarseLeavesSeenFromAfarByFineOnesSeenNear) {
   PlaneWorld world;
   world.AddFaceTowardsMinusX(3.0, -1, 1, 0, 1);
-  TerrainOctree octree({}, TestCamera());
+  TerrainOctree octree(MappingConfig{});
   std::mt19937 random(1);
   for (int i = 0; i < 3; ++i) InsertView(world, LookFrom(i, 0.3, 0, 0.5, 0, 0), &octree, &random);
   const CellKey key = CellAt(octree, {3.001, 0.1, 0.5});
@@ -141,13 +142,11 @@ TEST(TerrainOctreeTest, ReplacesCoarseLeavesSeenFromAfarByFineOnesSeenNear) {
 TEST(TerrainOctreeTest, LearnsNothingFromFramesWithoutATrustedPose) {
   PlaneWorld world;
   world.AddFloor(-1, 4, -2, 2, 0);
-  TerrainOctree octree({}, TestCamera());
+  TerrainOctree octree(MappingConfig{});
   std::mt19937 random(1);
-  for (const TrackingStatus status : {TrackingStatus::kLost, TrackingStatus::kBridging}) {
-    PoseEstimate pose = LookFrom(0, 0, 0, 0.45, 0, 0.5);
-    pose.status = status;
-    EXPECT_TRUE(InsertView(world, pose, &octree, &random).keys.empty());
-  }
+  PoseEstimate pose = LookFrom(0, 0, 0, 0.45, 0, 0.5);
+  pose.trusted = false;
+  EXPECT_TRUE(InsertView(world, pose, &octree, &random).keys.empty());
   EXPECT_EQ(octree.num_occupied_leaves(), 0);
 }
 
@@ -163,9 +162,82 @@ TEST(TerrainOctreeTest, DropsPointsThatAreNoNumbersOrBeyondTheWorld) {
   cloud.points.push_back({{0, 0, 1}, 100, 240, 0.01F, 0.001F});
   cloud.uncertain = cloud.points;
   PoseEstimate pose = LookFrom(0, 0, 0, 0, 0, 0);
-  TerrainOctree octree({}, TestCamera());
-  EXPECT_TRUE(octree.Insert(cloud, pose).keys.empty());
+  TerrainOctree octree(MappingConfig{});
+  EXPECT_TRUE(octree.Insert(cloud, TestCamera(), pose).keys.empty());
   EXPECT_EQ(octree.num_occupied_leaves(), 0);
+}
+
+TEST(TerrainOctreeTest, SeesTheSameSurfaceManyKilometresFromTheOrigin) {
+  // A whole number of cells, beyond what OctoMap's keys of 16 bits count.
+  const MappingConfig config;
+  const Eigen::Vector3d far = config.cell_size_m() * Eigen::Vector3d(-20000, 31250, 0);
+  std::vector<int> num_surfels;
+  for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, 0), far}) {
+    PlaneWorld world;
+    world.AddFloor(place.x() - 1, place.x() + 4, place.y() - 2, place.y() + 2, 0.1);
+    TerrainOctree octree(config);
+    std::mt19937 random(1);
+    for (int i = 0; i < 5; ++i)
+      InsertView(world, LookFrom(i, place.x() + 0.02 * i, place.y(), 0.55, 0, 0.5), &octree, &random);
+    const CellKey key = CellAt(octree, place + Eigen::Vector3d(0.9, 0.05, 0.1));
+    num_surfels.push_back(static_cast<int>(SurfelsOf(octree, key).size()));
+    for (const Surfel& s : SurfelsOf(octree, key))
+      EXPECT_NEAR(octree.CellCentre(key).z() + s.mean.z(), 0.1, 0.02);
+  }
+  EXPECT_GT(num_surfels[0], 50);
+  EXPECT_NEAR(num_surfels[1], num_surfels[0], 0.1 * num_surfels[0]);
+}
+
+TEST(TerrainOctreeTest, ForgetsWhatLiesBeyondTheWindowAndGivesItsMemoryToWhatComes) {
+  MappingConfig config;
+  config.window_m = 4.0;
+  TerrainOctree octree(config);
+  std::mt19937 random(1);
+  PlaneWorld world;
+  world.AddFloor(-2, 26, -1, 1, 0);
+  FrameId frame = 0;
+  std::set<CellKey> known, forgotten;
+  std::int64_t bytes_early = 0;
+  for (double x = 0.0; x < 20.0; x += 0.2, ++frame) {
+    const PoseEstimate pose = LookFrom(frame, x, 0, 0.45, 0, 0.5);
+    const Cloud cloud = world.See(TestCamera(), pose.T_world_left, frame, 4, kSigma_px, &random);
+    for (const CellKey& key : octree.Insert(cloud, TestCamera(), pose).keys) {
+      known.insert(key);
+      forgotten.erase(key);
+    }
+    for (const CellKey& key : octree.ForgetFarFrom(pose.T_world_left.translation())) {
+      EXPECT_GT((octree.CellCentre(key) - pose.T_world_left.translation()).norm(), config.window_m);
+      forgotten.insert(key);
+    }
+    if (bytes_early == 0 && x > 9.0) bytes_early = octree.memory_bytes();
+  }
+  EXPECT_LT(static_cast<double>(octree.memory_bytes()), 1.25 * static_cast<double>(bytes_early));
+  constexpr double kBlock = 1.28 * 1.74;  // cells are forgotten block by block
+  for (const CellKey& key : known) {
+    const double distance = (octree.CellCentre(key) - Eigen::Vector3d(20.0, 0, 0.45)).norm();
+    EXPECT_TRUE(forgotten.contains(key) || distance < config.window_m + 2.0 * kBlock) << distance;
+    EXPECT_TRUE(!forgotten.contains(key) || SurfelsOf(octree, key).empty());
+  }
+}
+
+TEST(TerrainOctreeTest, LearnsAPlaceAnewThatItHadForgotten) {
+  MappingConfig config;
+  config.window_m = 5.0;
+  TerrainOctree octree(config);
+  std::mt19937 random(1);
+  PlaneWorld world;
+  world.AddFloor(-1, 4, -2, 2, 0);
+  FrameId frame = 0;
+  for (; frame < 5; ++frame) InsertView(world, LookFrom(frame, 0, 0, 0.45, 0, 0.5), &octree, &random);
+  const CellKey key = CellAt(octree, {0.9, 0.05, 0.0});
+  const std::size_t num_before = SurfelsOf(octree, key).size();
+  ASSERT_GT(num_before, 50U);
+  for (int i = 0; i < 20; ++i) octree.ForgetFarFrom({100.0, 0.0, 0.0});
+  EXPECT_TRUE(SurfelsOf(octree, key).empty());
+  EXPECT_EQ(octree.num_occupied_leaves(), 0);
+  for (; frame < 10; ++frame) InsertView(world, LookFrom(frame, 0, 0, 0.45, 0, 0.5), &octree, &random);
+  EXPECT_NEAR(static_cast<double>(SurfelsOf(octree, key).size()), static_cast<double>(num_before),
+              0.1 * static_cast<double>(num_before));
 }
 
 TEST(TerrainOctreeTest, GivesTheSameBitsTwice) {
@@ -174,7 +246,7 @@ TEST(TerrainOctreeTest, GivesTheSameBitsTwice) {
   world.AddBox(1.0, 1.3, -0.15, 0.15, 0, 0.25);
   std::vector<std::vector<float>> runs;
   for (int run = 0; run < 2; ++run) {
-    TerrainOctree octree({}, TestCamera());
+    TerrainOctree octree(MappingConfig{});
     std::mt19937 random(1);
     std::vector<float> all;
     for (int i = 0; i < 5; ++i) {

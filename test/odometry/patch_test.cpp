@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "odometry/patch_alignment.h"
+#include "odometry/stereo_alignment.h"
 #include "textured_image.h"
 
 namespace terrace {

@@ -2,6 +2,7 @@
 #include "polygonization/polygon_merger.h"
 
 #include <cstring>
+#include <map>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -21,10 +22,11 @@ class Mapper {
  public:
   const PolygonUpdate& See(const PlaneWorld& world, const PoseEstimate& pose) {
     const Cloud cloud = world.See(TestCamera(), pose.T_world_left, pose.frame_id, 1, kSigma_px, &random_);
-    update_ = merger_.Merge(modeller_.Fit(octree_, octree_.Insert(cloud, pose)));
+    update_ = merger_.Merge(modeller_.Fit(octree_, octree_.Insert(cloud, TestCamera(), pose)));
     return update_;
   }
   const PolygonUpdate& update() const { return update_; }
+  const PolygonMap& polygons() const { return merger_.polygons(); }
 
   /// The largest polygon that lies on a rectangle's plane (3 cm, 10 deg) over its middle.
   PolygonPtr On(const PlaneWorld::Rectangle& r) const {
@@ -46,7 +48,7 @@ class Mapper {
 
  private:
   std::mt19937 random_{1};
-  TerrainOctree octree_{MappingConfig{}, TestCamera()};
+  TerrainOctree octree_{MappingConfig{}};
   CellModeller modeller_{ModellingConfig{}};
   PolygonMerger merger_{MergingConfig{}};
   PolygonUpdate update_;
@@ -164,9 +166,48 @@ TEST(PolygonMergerTest, SharesPolygonsThatDidNotChange) {
   ASSERT_FALSE(before.polygons.empty());
   // A frame that looks elsewhere.
   const PolygonUpdate after = mapper.See({}, LookFrom(3, 0.5, 0, 0.9, std::numbers::pi, 0));
-  EXPECT_TRUE(after.changed.empty());
+  EXPECT_TRUE(after.added.empty());
+  EXPECT_TRUE(after.revised.empty());
   EXPECT_TRUE(after.removed.empty());
   EXPECT_EQ(before.polygons, after.polygons);
+}
+
+TEST(PolygonMergerTest, SaysWhatAFrameAddedRevisedRemovedAndSawAgain) {
+  PlaneWorld with_box = StairsWorld();
+  const PlaneWorld empty = with_box;
+  with_box.AddBox(0.6, 0.9, -0.2, 0.2, 0, 0.2);
+  Mapper mapper;
+  std::map<PolygonId, int> revisions, observations;
+  std::size_t num_added = 0, num_revised = 0, num_removed = 0, num_seen = 0;
+  for (int i = 0; i < 40; ++i) {
+    const PolygonUpdate& update =
+        mapper.See(i < 15 ? with_box : empty, LookFrom(i, 0.2 + 0.01 * std::min(i, 10), 0, 0.9, 0, 0.5));
+    for (const PolygonId id : update.added) EXPECT_TRUE(revisions.emplace(id, 1).second) << id;
+    for (const PolygonId id : update.revised)
+      EXPECT_EQ(mapper.polygons().Find(id)->revision, ++revisions.at(id));
+    for (const PolygonId id : update.removed) EXPECT_EQ(revisions.erase(id), 1U) << id;
+    for (const PolygonId id : update.seen) {
+      const PolygonMap::Entry* entry = mapper.polygons().FindEntry(id);
+      ASSERT_NE(entry, nullptr);
+      EXPECT_EQ(entry->polygon->revision, revisions.at(id));
+      EXPECT_EQ(entry->last_seen.ns, update.t_capture.ns);
+      EXPECT_GT(entry->num_observations, observations[id]);
+    }
+    std::map<PolygonId, int> now;
+    for (const auto& [id, entry] : mapper.polygons()) {
+      now[id] = entry.polygon->revision;
+      observations[id] = entry.num_observations;
+    }
+    EXPECT_EQ(now, revisions) << "after frame " << i;
+    num_added += update.added.size();
+    num_revised += update.revised.size();
+    num_removed += update.removed.size();
+    num_seen += update.seen.size();
+  }
+  EXPECT_GT(num_added, 3U);
+  EXPECT_GT(num_revised, 3U);
+  EXPECT_GT(num_removed, 0U);
+  EXPECT_GT(num_seen, 3U);
 }
 
 TEST(MergingConfigTest, NamesEverySettingThatMakesNoSense) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -52,6 +53,29 @@ bool SameBits(const DisparityImage& a, const DisparityImage& b) {
 }
 
 class DisparityMatcherTest : public testing::TestWithParam<std::string> {};
+
+TEST_P(DisparityMatcherTest, FindsAPlaneWhenTheRightRowsAreOff) {
+  const SlantedPlane plane{8.3, 0.01, 0.05};
+  const StereoFrame aligned = RenderPlane(480, 360, plane);
+  StereoFrame off = aligned;
+  off.right = cv::Mat1b();
+  StraightenRows(aligned.right, {.centre_px = -1.2f, .per_column = 0.003f}, off.right);
+  const auto rms = [&](const StereoFrame& frame, bool straighten) {
+    DisparityConfig config = Tier(GetParam(), 64);
+    config.straighten_rows = straighten;
+    const DisparityImage result = DisparityMatcher(config).Match(frame);
+    double squares = 0.0;
+    int count = 0;
+    for (int v = 10; v < 350; ++v)
+      for (int u = 60; u < 470; ++u)
+        if (!std::isnan(result.disparity_px(v, u)))
+          squares += std::pow(result.disparity_px(v, u) - plane.At(u, v), 2), ++count;
+    EXPECT_GT(count, 100000);
+    return std::sqrt(squares / count);
+  };
+  EXPECT_LT(rms(off, true), 1.5 * rms(aligned, true));
+  EXPECT_GT(rms(off, false), 3.0 * rms(off, true));  // what it is for
+}
 
 TEST_P(DisparityMatcherTest, FindsASlantedPlaneWhereverBothCamerasSeeIt) {
   DisparityMatcher matcher(Tier(GetParam(), 32));
@@ -181,10 +205,11 @@ TEST_P(DisparityMatcherTest, ARightPriorChangesLittle) {
 }
 
 TEST_P(DisparityMatcherTest, AWrongPriorChangesNothing) {
-  StereoFrame frame = RenderPlane(300, 160, {50.0, 0.01, 0.02});
-  frame.frame_id = 1;
-  const DisparityImage without = DisparityMatcher(Tier(GetParam(), 128)).Match(frame);
-  for (const float low_px : {0.0f, 90.0f}) {
+  // What is searched is wider than the prior, but not so wide that it holds the plane.
+  for (const auto& [low_px, plane_px] : {std::pair(0.0f, 80.0), std::pair(90.0f, 50.0)}) {
+    StereoFrame frame = RenderPlane(300, 160, {plane_px, 0.01, 0.02});
+    frame.frame_id = 1;
+    const DisparityImage without = DisparityMatcher(Tier(GetParam(), 128)).Match(frame);
     const DisparityPrior prior = Everywhere(frame, low_px, low_px + 5.0f);
     EXPECT_TRUE(SameBits(DisparityMatcher(WithPrior(GetParam(), kNever)).Match(frame, &prior), without));
   }

@@ -2,6 +2,7 @@
 #include "stereo/rectifier.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -42,6 +43,18 @@ StereoCalibration FisheyePair() {
   return TurnedPair(DistortionModel::kEquidistant, {0.01, -0.02, 0.008, -0.002}, 90.0);
 }
 
+/// One camera above the other, a little turned as well.
+StereoCalibration PairAboveEachOther(double y_of_right) {
+  StereoCalibration c = RadialTangentialPair();
+  c.T_rawright_rawleft.translation() = Eigen::Vector3d(0.005, y_of_right, 0.002);
+  return c;
+}
+
+/// 195 deg wide.
+StereoCalibration DoubleSpherePair() {
+  return TurnedPair(DistortionModel::kDoubleSphere, {-0.17, 0.59}, 75.0);
+}
+
 /// A wall in front of the left raw camera, z = 2 m + 0.2 x, painted with waves.
 class PaintedWall {
  public:
@@ -56,6 +69,18 @@ class PaintedWall {
   WaveTexture texture_{7};
 };
 
+/// The ray (x, y, 1) of a pixel: the closed form of the model's paper. Zero where it looks behind.
+cv::Point2d UnprojectDoubleSphere(const RawCamera& camera, const cv::Point2d& pixel) {
+  const double xi = camera.distortion[0], alpha = camera.distortion[1];
+  const double mx = (pixel.x - camera.cx) / camera.fx, my = (pixel.y - camera.cy) / camera.fy;
+  const double r2 = mx * mx + my * my;
+  if (r2 > 1.0 / (2 * alpha - 1)) return {};
+  const double mz = (1 - alpha * alpha * r2) / (alpha * std::sqrt(1 - (2 * alpha - 1) * r2) + 1 - alpha);
+  const double scale = (mz * xi + std::sqrt(mz * mz + (1 - xi * xi) * r2)) / (mz * mz + r2);
+  const double z = scale * mz - xi;
+  return z > 0.0 ? cv::Point2d(scale * mx / z, scale * my / z) : cv::Point2d();
+}
+
 /// What a raw camera sees of the wall. The lens is OpenCV's undistortion, not ours.
 GrayImage RenderRaw(const RawCamera& camera, const Eigen::Isometry3d& T_rawleft_raw) {
   const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
@@ -63,7 +88,9 @@ GrayImage RenderRaw(const RawCamera& camera, const Eigen::Isometry3d& T_rawleft_
   for (int v = 0; v < kRawHeight; ++v) {
     for (int u = 0; u < kRawWidth; ++u) pixels.emplace_back(u, v);
   }
-  if (camera.model == DistortionModel::kEquidistant) {
+  if (camera.model == DistortionModel::kDoubleSphere) {
+    for (const cv::Point2d& pixel : pixels) rays.push_back(UnprojectDoubleSphere(camera, pixel));
+  } else if (camera.model == DistortionModel::kEquidistant) {
     const cv::Vec4d k(camera.distortion.data());
     cv::fisheye::undistortPoints(pixels, rays, K, k);
   } else {
@@ -83,9 +110,9 @@ GrayImage RenderRaw(const RawCamera& camera, const Eigen::Isometry3d& T_rawleft_
 /// What an ideal camera at that place would see.
 cv::Mat1d RenderIdeal(const StereoCamera& camera, const Eigen::Isometry3d& T_rawleft_rect) {
   const PaintedWall wall;
-  cv::Mat1d image(kRawHeight, kRawWidth);
-  for (int v = 0; v < kRawHeight; ++v) {
-    for (int u = 0; u < kRawWidth; ++u) {
+  cv::Mat1d image(camera.height, camera.width);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector3d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);
       image(v, u) = wall.Grey(T_rawleft_rect.translation(), T_rawleft_rect.linear() * ray);
     }
@@ -98,8 +125,8 @@ cv::Mat1d RenderIdeal(const StereoCamera& camera, const Eigen::Isometry3d& T_raw
 double LargestShift(const cv::Mat1b& image, const cv::Mat1d& ideal) {
   constexpr int kBlock = 80;
   double largest = 0.0;
-  for (int top = 0; top + kBlock <= kRawHeight; top += kBlock) {
-    for (int left = 0; left + kBlock <= kRawWidth; left += kBlock) {
+  for (int top = 0; top + kBlock <= image.rows; top += kBlock) {
+    for (int left = 0; left + kBlock <= image.cols; left += kBlock) {
       Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
       Eigen::Vector4d b = Eigen::Vector4d::Zero();
       for (int v = top + 1; v < top + kBlock - 1; ++v) {
@@ -131,7 +158,8 @@ TEST_P(RectifierTest, ShowsWhatIdealCamerasWouldSee) {
   EXPECT_EQ(frame.frame_id, 5);
   EXPECT_EQ(frame.t_capture.ns, 17);
   const StereoCamera& camera = rectifier.camera();
-  EXPECT_EQ(frame.left.size(), cv::Size(kRawWidth, kRawHeight));
+  EXPECT_EQ(frame.left.size(), cv::Size(camera.width, camera.height));
+  EXPECT_EQ(camera.width * camera.height, kRawWidth * kRawHeight);
   EXPECT_NEAR(camera.baseline_m, calibration.baseline_m(), 1e-12);
 
   Eigen::Isometry3d T_rawleft_left = Eigen::Isometry3d::Identity();
@@ -182,10 +210,63 @@ TEST(RectifierFoldTest, ShowsNoGhostsWhereTheLensPolynomialTurnsBack) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Lenses, RectifierTest, testing::Values(RadialTangentialPair(), FisheyePair()),
-                         [](const auto& lens) {
-                           return lens.index == 0 ? "RadialTangential" : "Equidistant";
-                         });
+constexpr std::array kRigNames = {"RadialTangential", "Equidistant", "DoubleSphere", "RightBelow",
+                                  "RightAbove"};
+
+INSTANTIATE_TEST_SUITE_P(Rigs, RectifierTest,
+                         testing::Values(RadialTangentialPair(), FisheyePair(), DoubleSpherePair(),
+                                         PairAboveEachOther(-0.11), PairAboveEachOther(0.11)),
+                         [](const auto& rig) { return kRigNames[rig.index]; });
+
+TEST(RectifierTurnTest, TurnsAPairAboveEachOtherByAQuarter) {
+  for (const double y : {-0.11, 0.11}) {
+    const Rectifier rectifier(PairAboveEachOther(y));
+    EXPECT_EQ(rectifier.camera().width, kRawHeight);
+    EXPECT_EQ(rectifier.camera().height, kRawWidth);
+    // The raw camera's down lies along the rows; both still look the same way.
+    const Eigen::Matrix3d& R = rectifier.R_rect_raw();
+    EXPECT_GT(std::abs(R(0, 1)), 0.99);
+    EXPECT_GT(R(2, 2), 0.99);
+  }
+}
+
+TEST(RectifierViewTest, TakesFocalLengthAndSizeAsConfigured) {
+  RectifierConfig config;
+  config.rectified_focal_px = 120.0;
+  config.rectified_size = "320x200";
+  ASSERT_TRUE(config.Problems().empty());
+  const StereoCalibration calibration = FisheyePair();
+  EXPECT_EQ(RectifiedSize(calibration, config), std::pair(320, 200));
+  StereoPair pair;
+  pair.left = RenderRaw(calibration.left, Eigen::Isometry3d::Identity());
+  pair.right = RenderRaw(calibration.right, calibration.T_rawright_rawleft.inverse());
+  const Rectifier rectifier(calibration, config);
+  EXPECT_EQ(rectifier.camera().fx, 120.0);
+  const StereoFrame frame = rectifier.Rectify(0, pair);
+  ASSERT_EQ(frame.left.size(), cv::Size(320, 200));
+  Eigen::Isometry3d T_rawleft_left = Eigen::Isometry3d::Identity();
+  T_rawleft_left.linear() = rectifier.R_rect_raw().transpose();
+  // The raw pixels, which interpolation blurs, are a third larger than these.
+  constexpr double kMaxShiftPx = 0.03 * 120.0 / 90.0;
+  EXPECT_LT(LargestShift(frame.left, RenderIdeal(rectifier.camera(), T_rawleft_left)), kMaxShiftPx);
+}
+
+TEST(RectifierViewTest, ShowsTheSameViewInSmallerImages) {
+  RectifierConfig half;
+  half.rectified_size = "120x80";
+  const StereoCamera whole = Rectifier(RadialTangentialPair()).camera();
+  const StereoCamera small = Rectifier(RadialTangentialPair(), half).camera();
+  EXPECT_NEAR(small.fx, 0.5 * whole.fx, 0.01 * whole.fx);
+}
+
+TEST(RectifierViewTest, SaysWhichSettingCannotBe) {
+  RectifierConfig config;
+  config.rectified_focal_px = -3.0;
+  config.rectified_size = "640 by 480";
+  EXPECT_EQ(config.Problems().size(), 2u);
+  config.rectified_size = "640x480x3";
+  EXPECT_EQ(config.Problems().size(), 2u);
+}
 
 TEST(RectifierPassThroughTest, HandsARectifiedPairOnUnchanged) {
   StereoCalibration calibration;

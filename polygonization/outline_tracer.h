@@ -7,13 +7,12 @@
 #include <opencv2/core/mat.hpp>
 
 #include "polygonization/bitmap_pieces.h"
+#include "polygonization/plane_rings.h"
 
 namespace terrace {
 
-using Ring2 = std::vector<Eigen::Vector2d>;
-
 /// One connected piece of a plane, in coordinates of that plane.
-struct PlanarShape {
+struct TracedPiece {
   Ring2 outline;             ///< counter-clockwise, simple
   std::vector<Ring2> holes;  ///< clockwise, simple, inside the outline
   double area_m2 = 0.0;      ///< outline less holes
@@ -40,24 +39,18 @@ class OutlineTracer {
   /// A rectangle, by its centre and the vectors to the middles of two edges.
   void Fill(const Eigen::Vector2d& centre, const Eigen::Vector2d& half_x, const Eigen::Vector2d& half_y);
 
-  /// Everything filled so far as shapes, in a fixed order.
-  std::vector<PlanarShape> Trace();
-  /// After Trace: index of the shape at a point, -1 where there is none.
-  int ShapeAt(const Eigen::Vector2d& p) const;
+  /// What is filled so far, in pieces that hang together, in a fixed order.
+  std::vector<TracedPiece> Trace();
+  /// After Trace: index of the piece at a point, -1 where there is none.
+  int PieceAt(const Eigen::Vector2d& p) const;
 
  private:
   OutlineSettings settings_;
   Eigen::Vector2d low_;  // outer corner of pixel (0, 0)
   double pixel_m_;
   cv::Mat1b filled_;
-  BitmapPieces pieces_;              // after Trace
-  std::vector<int> shape_of_piece_;  // -1: too small to be one
+  BitmapPieces pieces_;            // after Trace
+  std::vector<int> traced_index_;  // -1: too small to be one
 };
-
-/// Area with sign: positive when counter-clockwise.
-double SignedArea(const Ring2& ring);
-
-/// True when no two edges of the rings touch, but neighbours at their common vertex.
-bool AreSimple(const std::vector<const Ring2*>& rings);
 
 }  // namespace terrace

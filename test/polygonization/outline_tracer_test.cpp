@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "polygonization/outline.h"
+#include "polygonization/outline_tracer.h"
 
 #include <cmath>
 #include <random>
@@ -22,7 +22,7 @@ void FillRectangle(double width, double height, double angle, const Eigen::Vecto
 TEST(OutlineTracerTest, TracesARectangleByItsFourCorners) {
   OutlineTracer tracer({}, {0, 0}, {1, 1});
   FillRectangle(0.6, 0.3, 0.0, {0.5, 0.5}, &tracer);
-  const std::vector<PlanarShape> shapes = tracer.Trace();
+  const std::vector<TracedPiece> shapes = tracer.Trace();
   ASSERT_EQ(shapes.size(), 1U);
   EXPECT_EQ(shapes[0].outline.size(), 4U);
   EXPECT_NEAR(shapes[0].area_m2, 0.18, 0.01);
@@ -35,7 +35,7 @@ TEST(OutlineTracerTest, FindsSlantedEdgesWithinAPixel) {
   for (const double angle : {0.1, 0.3, 0.7, 1.2}) {
     OutlineTracer tracer({}, {0, 0}, {1, 1});
     FillRectangle(0.6, 0.3, angle, {0.5, 0.5}, &tracer);
-    const std::vector<PlanarShape> shapes = tracer.Trace();
+    const std::vector<TracedPiece> shapes = tracer.Trace();
     ASSERT_EQ(shapes.size(), 1U);
     const Eigen::Vector2d x(std::cos(angle), std::sin(angle)), y(-x.y(), x.x());
     for (const Eigen::Vector2d& p : shapes[0].outline) {
@@ -55,7 +55,7 @@ TEST(OutlineTracerTest, KeepsRealHolesAndClosesGapsInTheData) {
       if (!hole && !gap) tracer.Fill({x, y}, {0.01, 0}, {0, 0.01});
     }
   }
-  const std::vector<PlanarShape> shapes = tracer.Trace();
+  const std::vector<TracedPiece> shapes = tracer.Trace();
   ASSERT_EQ(shapes.size(), 1U);
   ASSERT_EQ(shapes[0].holes.size(), 1U);
   EXPECT_LT(SignedArea(shapes[0].holes[0]), 0.0);
@@ -69,9 +69,9 @@ TEST(OutlineTracerTest, KeepsPiecesApartAcrossAGap) {
   FillRectangle(0.4, 0.4, 0.0, {0.5, 0.5}, &tracer);
   FillRectangle(0.4, 0.4, 0.0, {1.0, 0.5}, &tracer);
   EXPECT_EQ(tracer.Trace().size(), 2U);
-  EXPECT_EQ(tracer.ShapeAt({0.5, 0.5}), 0);
-  EXPECT_EQ(tracer.ShapeAt({1.0, 0.5}), 1);
-  EXPECT_EQ(tracer.ShapeAt({0.75, 0.5}), -1);
+  EXPECT_EQ(tracer.PieceAt({0.5, 0.5}), 0);
+  EXPECT_EQ(tracer.PieceAt({1.0, 0.5}), 1);
+  EXPECT_EQ(tracer.PieceAt({0.75, 0.5}), -1);
 }
 
 TEST(OutlineTracerTest, GivesSimpleRingsForAnythingScattered) {
@@ -85,7 +85,7 @@ TEST(OutlineTracerTest, GivesSimpleRingsForAnythingScattered) {
       tracer.Fill({anywhere(random), anywhere(random)}, 0.05 * anywhere(random) * x,
                   0.05 * anywhere(random) * y);
     }
-    for (const PlanarShape& shape : tracer.Trace()) {
+    for (const TracedPiece& shape : tracer.Trace()) {
       std::vector<const Ring2*> rings{&shape.outline};
       for (const Ring2& hole : shape.holes) {
         rings.push_back(&hole);
@@ -109,7 +109,7 @@ TEST(OutlineTracerTest, ARaggedShapeIsSimplifiedFurtherWhenItHasTooManyVertices)
     // Teeth of random length along one side, as rows of far ground leave them.
     for (int i = 0; i < 80; ++i)
       tracer.Fill({0.05 * i, 0.25}, {0.015, 0.0}, {0.0, 0.05 + 0.1 * anywhere(random)});
-    const std::vector<PlanarShape> shapes = tracer.Trace();
+    const std::vector<TracedPiece> shapes = tracer.Trace();
     EXPECT_EQ(shapes.size(), 1U);
     EXPECT_TRUE(AreSimple({&shapes[0].outline}));
     return shapes[0].outline.size();
@@ -120,19 +120,13 @@ TEST(OutlineTracerTest, ARaggedShapeIsSimplifiedFurtherWhenItHasTooManyVertices)
 
 TEST(OutlineTracerTest, CoarsensRatherThanAllocateWithoutBound) {
   OutlineTracer tracer({}, {0, 0}, {10000, 10000});
-  FillRectangle(0.4, 0.4, 0.0, {5000, 5000}, &tracer);
-  tracer.Trace();
-}
-
-TEST(AreSimpleTest, RefusesRingsThatCrossOrTouch) {
-  const Ring2 square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  const Ring2 bow_tie{{0, 0}, {1, 1}, {1, 0}, {0, 1}};
-  const Ring2 inside{{0.2, 0.2}, {0.2, 0.4}, {0.4, 0.4}};
-  const Ring2 touching{{0.0, 0.5}, {0.2, 0.6}, {0.2, 0.4}};
-  EXPECT_TRUE(AreSimple({&square}));
-  EXPECT_FALSE(AreSimple({&bow_tie}));
-  EXPECT_TRUE(AreSimple({&square, &inside}));
-  EXPECT_FALSE(AreSimple({&square, &touching}));
+  tracer.Fill({5000, 5000}, {50, 0}, {0, 30});
+  const std::vector<TracedPiece> pieces = tracer.Trace();
+  ASSERT_EQ(pieces.size(), 1U);
+  // Four million pixels over the square of 10 km are about 5 m wide; they double until they fit.
+  constexpr double kPixel_m = 10.24;
+  EXPECT_NEAR(pieces[0].area_m2, 100.0 * 60.0, 2.0 * (100.0 + 60.0) * kPixel_m);
+  EXPECT_NEAR((pieces[0].centroid - Eigen::Vector2d(5000, 5000)).norm(), 0.0, kPixel_m);
 }
 
 }  // namespace

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/free_space.h"
+
+#include <cmath>
+#include <vector>
+
+#include "mapping/point_summing.h"
+
+namespace terrace {
+namespace {
+
+constexpr FrameId kTurns = 2;  // a power of two
+
+}  // namespace
+
+FreeSpace::FreeSpace(const MappingConfig& config, const StereoCamera& camera,
+                     const Eigen::Isometry3d& T_world_left, FrameId frame_id, const ViewTiles& tiles)
+    : config_(config),
+      tiles_(tiles),
+      frame_id_(frame_id),
+      camera_leaf_(LeafAt(T_world_left.translation(), config)),
+      T_left_world_(T_world_left.inverse()),
+      R_left_leaves_((T_left_world_.linear() * config.leaf_size_m).cast<float>()) {
+  const float farthest_px = tiles.farthest_px();
+  // Nothing is known of this image: nothing is in view.
+  if (std::isfinite(farthest_px)) farthest_m_ = camera.Depth(farthest_px);
+  const double left = -camera.cx / camera.fx, right = (camera.width - 1 - camera.cx) / camera.fx;
+  const double top = -camera.cy / camera.fy, bottom = (camera.height - 1 - camera.cy) / camera.fy;
+  sides_ = {Eigen::Vector3d(1, 0, -left).normalized(), Eigen::Vector3d(-1, 0, right).normalized(),
+            Eigen::Vector3d(0, 1, -top).normalized(), Eigen::Vector3d(0, -1, bottom).normalized()};
+}
+
+Eigen::Vector3d FreeSpace::CentreInLeft(const LeafIndex& corner, int size) const {
+  return T_left_world_ *
+         (config_.leaf_size_m * (corner.cast<double>() + Eigen::Vector3d::Constant(0.5 * size)));
+}
+
+bool FreeSpace::MayBeInView(const LeafIndex& corner, int size) const {
+  const Eigen::Vector3d centre = CentreInLeft(corner, size);
+  const double radius = 0.5 * std::sqrt(3.0) * size * config_.leaf_size_m;
+  if (farthest_m_ <= 0.0 || centre.z() + radius <= 0.0 || centre.z() - radius > farthest_m_) return false;
+  for (const Eigen::Vector3d& side : sides_)
+    if (side.dot(centre) < -radius) return false;
+  return true;
+}
+
+bool FreeSpace::HasItsTurn(const CellKey& key) const {
+  return ((key.x + key.y + key.z + frame_id_) & (kTurns - 1)) == 0;
+}
+
+void FreeSpace::CheckLeaves(LeafTree::Node* node, const LeafIndex& corner, Cell* cell, LeafTree* tree) const {
+  const Eigen::Vector3f corner_left =
+      CentreInLeft(corner, config_.leaves_per_cell).cast<float>() -
+      R_left_leaves_ * Eigen::Vector3f::Constant(0.5F * static_cast<float>(config_.leaves_per_cell));
+  const auto is_cleared = [&](int index) {
+    Evidence& leaf = tree->leaves().evidence(index);
+    const Eigen::Vector3i in_cell(leaf.corner[0], leaf.corner[1], leaf.corner[2]);
+    if (!CheckLeaf(in_cell, corner_left, &leaf, cell)) return false;
+    tree->RemoveLeaf(node, corner + in_cell, leaf.level);
+    return true;
+  };
+  std::erase_if(cell->leaves, is_cleared);
+}
+
+/// True when the leaf has been seen through too often.
+bool FreeSpace::CheckLeaf(const Eigen::Vector3i& in_cell, const Eigen::Vector3f& corner_left, Evidence* leaf,
+                          Cell* cell) const {
+  const float half = 0.5F * static_cast<float>(1 << leaf->level);
+  const Eigen::Vector3f centre =
+      corner_left + R_left_leaves_ * (in_cell.cast<float>() + Eigen::Vector3f::Constant(half));
+  const ViewTiles::View view = tiles_.ViewOf(centre, 1.74F * half * static_cast<float>(config_.leaf_size_m),
+                                             static_cast<float>(config_.free_margin_px));
+  if (view != ViewTiles::View::kNone) {
+    leaf->num_views += 1.0F;
+    if (leaf->hit_frame == frame_id_) leaf->num_hits += 1.0F;
+    if (leaf->num_views > static_cast<float>(config_.memory_frames)) {
+      leaf->num_views *= 0.5F;
+      leaf->num_hits *= 0.5F;
+    }
+  }
+  const bool was_occupied = leaf->occupied;
+  const bool cleared = view == ViewTiles::View::kThrough && --leaf->credit < 0;
+  leaf->occupied = !cleared && IsOccupied(*leaf);
+  if (leaf->occupied != was_occupied) ++cell->num_changed_leaves;
+  return cleared;
+}
+
+bool FreeSpace::IsOccupied(const Evidence& leaf) const {
+  return leaf.enough_points && leaf.num_hits >= static_cast<float>(config_.min_hit_share) * leaf.num_views;
+}
+
+}  // namespace terrace

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/leaf_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "core/check.h"
+
+namespace terrace {
+namespace {
+
+/// Where a leaf of a cell comes when the octree is walked: eighth by eighth, coarse ones before what they
+/// hold.
+int Rank(const Evidence& leaf) {
+  int rank = 0;
+  for (int bit = 5; bit >= 0; --bit)
+    for (int axis = 2; axis >= 0; --axis) rank = 2 * rank + (leaf.corner[axis] >> bit & 1);
+  return 8 * rank + 7 - leaf.level;
+}
+
+std::array<std::uint8_t, 3> CornerInCell(const LeafAddress& address, int leaves_per_cell) {
+  const int in_cell = leaves_per_cell - 1;
+  return {static_cast<std::uint8_t>(address.x() & in_cell), static_cast<std::uint8_t>(address.y() & in_cell),
+          static_cast<std::uint8_t>(address.z() & in_cell)};
+}
+
+octomap::OcTreeKey KeyAt(const LeafAddress& address) { return {address.x(), address.y(), address.z()}; }
+
+}  // namespace
+
+bool LeafTree::Node::ReleaseEmptyChildren() {
+  if (children == nullptr ||
+      std::any_of(children, children + 8, [](auto* child) { return child != nullptr; }))
+    return false;
+  delete[] children;
+  children = nullptr;
+  return true;
+}
+
+LeafTree::Node* LeafTree::Tree::MakeRoot() {
+  if (root == nullptr) {
+    root = new Node();  // owned and deleted by the base class
+    ++tree_size;
+  }
+  return root;
+}
+
+LeafTree::Node* LeafTree::Tree::GetOrMakeChild(Node* node, unsigned child) {
+  if (nodeChildExists(node, child)) return getNodeChild(node, child);
+  if (!node->HasArrayOfChildren()) ++num_arrays_;
+  return createNodeChild(node, child);
+}
+
+void LeafTree::Tree::DeleteChild(Node* node, unsigned child) {
+  deleteNodeChild(node, child);
+  if (node->ReleaseEmptyChildren()) --num_arrays_;
+}
+
+std::int64_t LeafTree::Tree::memory_bytes() const {
+  return static_cast<std::int64_t>(size() * sizeof(Node)) +
+         num_arrays_ * static_cast<std::int64_t>(8 * sizeof(Node*));
+}
+
+LeafTree::LeafTree(const MappingConfig& config)
+    : leaves_per_cell_(config.leaves_per_cell),
+      cell_shift_(std::countr_zero(static_cast<unsigned>(config.leaves_per_cell))),
+      cell_depth_(kDepth - static_cast<unsigned>(cell_shift_)),
+      tree_(config.leaf_size_m) {
+  TERRACE_CHECK(cell_depth_ >= kBlockDepth, config.leaves_per_cell);
+}
+
+std::int64_t LeafTree::memory_bytes() const {
+  const auto lists = leaves_.num_used() * static_cast<std::int64_t>(sizeof(int));  // Cell::leaves
+  return tree_.memory_bytes() + leaves_.memory_bytes() + cells_.memory_bytes() + lists;
+}
+
+unsigned LeafTree::ChildIndex(const octomap::OcTreeKey& key, unsigned child_depth) {
+  return static_cast<unsigned>(octomap::computeChildIdx(key, static_cast<int>(kDepth - child_depth)));
+}
+
+octomap::OcTreeKey LeafTree::KeyAt(const LeafIndex& index) {
+  return {KeyOf(index.x()), KeyOf(index.y()), KeyOf(index.z())};
+}
+
+LeafTree::Corner LeafTree::CornerOfChild(const Corner& corner, unsigned child_depth, unsigned child) {
+  const auto size = static_cast<std::int32_t>(1U << (kDepth - child_depth));
+  return corner + size * Corner(child & 1U, (child >> 1U) & 1U, (child >> 2U) & 1U);
+}
+
+LeafIndex LeafTree::IndexNear(const Corner& corner, int size, const LeafIndex& near) {
+  LeafIndex index;
+  for (int i = 0; i < 3; ++i)
+    index[i] = IndexOf(static_cast<std::uint16_t>(corner[i] + size / 2), near[i]) - size / 2;
+  return index;
+}
+
+CellKey LeafTree::CellOf(const LeafIndex& index) const {
+  return {index.x() >> cell_shift_, index.y() >> cell_shift_, index.z() >> cell_shift_};
+}
+
+LeafIndex LeafTree::CornerOf(const CellKey& key) const {
+  return leaves_per_cell_ * LeafIndex(key.x, key.y, key.z);
+}
+
+int LeafTree::FindCell(const CellKey& key) const {
+  const Node* node = tree_.search(KeyAt(CornerOf(key)), cell_depth_);
+  if (node == nullptr) return kNothing;
+  // A cell far away may have the same keys.
+  return cells_[node->getValue()].key == key ? node->getValue() : kNothing;
+}
+
+LeafTree::Node* LeafTree::CellNodeOf(const CellKey& key) {
+  if (last_cell_node_ != nullptr && last_cell_key_ == key) return last_cell_node_;
+  const octomap::OcTreeKey octree_key = KeyAt(CornerOf(key));
+  Node* node = tree_.MakeRoot();
+  for (unsigned depth = 1; depth <= cell_depth_; ++depth)
+    node = tree_.GetOrMakeChild(node, ChildIndex(octree_key, depth));
+  if (node->getValue() == kNothing) {
+    node->setValue(cells_.Take());
+    cells_[node->getValue()].key = key;
+  }
+  TERRACE_CHECK(cells_[node->getValue()].key == key, "the octree holds places too far apart");
+  last_cell_key_ = key;
+  last_cell_node_ = node;
+  return node;
+}
+
+bool LeafTree::IsStill(const FrameLeaf& seen, const CellKey& cell) const {
+  if (seen.place.leaf == kNothing) return false;
+  const Evidence& evidence = leaves_.evidence(seen.place.leaf);
+  return evidence.cell == seen.place.cell && evidence.level == seen.address.level() &&
+         evidence.corner == CornerInCell(seen.address, leaves_per_cell_) && evidence.alone &&
+         cells_[evidence.cell].key == cell;
+}
+
+LeafPlace LeafTree::FindOrMake(const FrameLeaf& seen, const CellKey& cell, FrameId frame_id) {
+  coarser_.clear();
+  if (IsStill(seen, cell)) return seen.place;
+  const LeafAddress& address = seen.address;
+  const octomap::OcTreeKey key = terrace::KeyAt(address);
+  Node* node = CellNodeOf(cell);
+  LeafPlace place{kNothing, node->getValue()};
+  const unsigned depth = kDepth - static_cast<unsigned>(address.level());
+  for (unsigned child_depth = cell_depth_ + 1; child_depth <= depth; ++child_depth) {
+    node = tree_.GetOrMakeChild(node, ChildIndex(key, child_depth));
+    if (child_depth == depth || node->getValue() == kNothing) continue;
+    coarser_.push_back(node);
+    leaves_.evidence(node->getValue()).hit_frame = frame_id;
+  }
+  if (node->getValue() == kNothing) {
+    if (tree_.nodeHasChildren(node)) return place;
+    node->setValue(leaves_.Take());
+    Evidence& evidence = leaves_.evidence(node->getValue());
+    evidence.corner = CornerInCell(address, leaves_per_cell_);
+    evidence.level = static_cast<std::uint8_t>(address.level());
+    evidence.cell = place.cell;
+    std::vector<int>& in_cell = cells_[place.cell].leaves;
+    const auto at =
+        std::lower_bound(in_cell.begin(), in_cell.end(), Rank(evidence),
+                         [&](int other, int rank) { return Rank(leaves_.evidence(other)) < rank; });
+    in_cell.insert(at, node->getValue());
+  }
+  place.leaf = node->getValue();
+  leaves_.evidence(place.leaf).alone = coarser_.empty();
+  return place;
+}
+
+void LeafTree::DropCoarser(Cell* cell) {
+  for (Node* coarse : coarser_) {
+    std::erase(cell->leaves, coarse->getValue());
+    leaves_.GiveBack(coarse->getValue());
+    coarse->setValue(kNothing);
+    ++cell->num_changed_leaves;
+  }
+  coarser_.clear();
+}
+
+void LeafTree::RemoveLeaf(Node* cell_node, const LeafIndex& corner, int level) {
+  const octomap::OcTreeKey key = KeyAt(corner);
+  const unsigned depth = kDepth - static_cast<unsigned>(level);
+  std::array<Node*, kDepth + 1> path{};
+  path[cell_depth_] = cell_node;
+  for (unsigned d = cell_depth_; d < depth; ++d)
+    path[d + 1] = tree_.getNodeChild(path[d], ChildIndex(key, d + 1));
+  leaves_.GiveBack(path[depth]->getValue());
+  path[depth]->setValue(kNothing);
+  for (unsigned d = depth; d > cell_depth_; --d) {
+    if (path[d]->getValue() != kNothing || path[d]->HasArrayOfChildren()) return;
+    tree_.DeleteChild(path[d - 1], ChildIndex(key, d));
+  }
+}
+
+void LeafTree::RemoveCell(const CellKey& key) {
+  const octomap::OcTreeKey octree_key = KeyAt(CornerOf(key));
+  Node* node = tree_.search(octree_key, cell_depth_);
+  TERRACE_CHECK(node != nullptr && cells_[node->getValue()].leaves.empty());
+  cells_.GiveBack(node->getValue());
+  node->setValue(kNothing);
+  DeleteEmptyPath(octree_key, cell_depth_);
+}
+
+void LeafTree::DeleteEmptyPath(const octomap::OcTreeKey& key, unsigned depth) {
+  last_cell_node_ = nullptr;
+  std::array<Node*, kDepth + 1> path{};
+  path[0] = tree_.getRoot();
+  for (unsigned d = 0; d < depth; ++d) path[d + 1] = tree_.getNodeChild(path[d], ChildIndex(key, d + 1));
+  for (unsigned d = depth; d > 0; --d) {
+    if (path[d]->getValue() != kNothing || path[d]->HasArrayOfChildren()) return;
+    tree_.DeleteChild(path[d - 1], ChildIndex(key, d));
+  }
+}
+
+std::vector<CellKey> LeafTree::ForgetBeyond(const LeafIndex& centre, int radius_leaves, int max_blocks) {
+  // Distance, in finest leaves, from the centre to the nearest point of a node.
+  const auto distance = [&](const LeafIndex& corner, int size) {
+    const LeafIndex below = corner - centre, above = centre - corner - LeafIndex::Constant(size);
+    return below.cwiseMax(above).cwiseMax(0).cast<double>().norm();
+  };
+  struct Block {
+    Node* parent;
+    unsigned child;
+    Corner corner;
+  };
+  std::vector<Block> far;
+  const auto find = [&](const auto& self, Node* node, unsigned depth, const Corner& corner) -> void {
+    for (unsigned child = 0; child < 8; ++child) {
+      if (!tree_.nodeChildExists(node, child)) continue;
+      const Corner at = CornerOfChild(corner, depth + 1, child);
+      if (depth + 1 < kBlockDepth) {
+        self(self, tree_.getNodeChild(node, child), depth + 1, at);
+        continue;
+      }
+      const int size = 1 << (kDepth - kBlockDepth);
+      if (distance(IndexNear(at, size, centre), size) > radius_leaves) far.push_back({node, child, at});
+    }
+  };
+  if (tree_.getRoot() != nullptr) find(find, tree_.getRoot(), 0, Corner::Zero());
+  std::vector<CellKey> forgotten;
+  for (int i = 0; i < std::min(max_blocks, static_cast<int>(far.size())); ++i) {
+    const Block& block = far[static_cast<std::size_t>(i)];
+    DeleteBelow(tree_.getNodeChild(block.parent, block.child), kBlockDepth, &forgotten);
+    const octomap::OcTreeKey key(static_cast<octomap::key_type>(block.corner.x()),
+                                 static_cast<octomap::key_type>(block.corner.y()),
+                                 static_cast<octomap::key_type>(block.corner.z()));
+    DeleteEmptyPath(key, kBlockDepth);
+  }
+  std::sort(forgotten.begin(), forgotten.end());
+  return forgotten;
+}
+
+void LeafTree::DeleteBelow(Node* node, unsigned depth, std::vector<CellKey>* forgotten) {
+  if (depth == cell_depth_) {
+    Cell& gone = cells_[node->getValue()];
+    forgotten->push_back(gone.key);
+    for (const int leaf : gone.leaves) leaves_.GiveBack(leaf);
+    cells_.GiveBack(node->getValue());
+  }
+  node->setValue(kNothing);
+  for (unsigned child = 0; child < 8; ++child) {
+    if (!tree_.nodeChildExists(node, child)) continue;
+    DeleteBelow(tree_.getNodeChild(node, child), depth + 1, forgotten);
+    tree_.DeleteChild(node, child);
+  }
+}
+
+}  // namespace terrace

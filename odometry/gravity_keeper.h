@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/pose_estimate.h"
+#include "core/sensor_frame.h"
+#include "odometry/odometry_config.h"
+
+namespace terrace {
+
+/// A better "up" than the odometry knows, from floors and treads.
+struct GravityHint {
+  FrameId frame_id = 0;
+  Eigen::Vector3d down_world = -Eigen::Vector3d::UnitZ();
+  double sigma_rad = 0.0;
+};
+
+/// Knows where down is in the world: by the best source there is, as DESIGN.md orders them.
+class GravityKeeper {
+ public:
+  GravityKeeper(const OdometryConfig& config, const Mounting& mounting)
+      : config_(config), mounting_(mounting) {}
+
+  const Gravity& gravity() const { return gravity_; }
+
+  /// A world has been laid.
+  void Start(const Gravity& gravity) { gravity_ = gravity; }
+  /// From now on the window knows, by an IMU.
+  void UseImu() { gravity_.source = GravitySource::kImu; }
+  /// What the window has made of it.
+  void Refine(const Eigen::Vector3d& down_world, double sigma_rad);
+  /// The IMU was wrong, and with it what it said about up.
+  void RefuseImu();
+  /// Floors and treads; an IMU or the robot's own attitude knows better.
+  void Take(const GravityHint& hint);
+  /// The robot's own attitude, at a tracked frame.
+  void FollowAttitude(const SensorSamples& samples, const PoseEstimate& pose);
+
+ private:
+  OdometryConfig config_;
+  Mounting mounting_;
+  Gravity gravity_;
+};
+
+}  // namespace terrace

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polygonization/ring_simplifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace terrace {
+namespace {
+
+// Beyond this a simplified outline would no longer be the shape.
+constexpr double kMaxTolerance = 0.2;
+
+int NumVertices(const std::vector<Ring2>& rings) {
+  std::size_t num = 0;
+  for (const Ring2& ring : rings) num += ring.size();
+  return static_cast<int>(num);
+}
+
+double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d d = b - a;
+  const double length2 = d.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - t * d).norm();
+}
+
+/// Douglas and Peucker on the open chain first..last (indices that may run past the end of the ring).
+void KeepFarVertices(const Ring2& ring, int first, int last, double tolerance, std::vector<bool>* keep) {
+  const int n = static_cast<int>(ring.size());
+  int farthest = -1;
+  double distance = tolerance;
+  for (int i = first + 1; i < last; ++i) {
+    const double d = DistanceToSegment(ring[i % n], ring[first % n], ring[last % n]);
+    if (d > distance) {
+      distance = d;
+      farthest = i;
+    }
+  }
+  if (farthest < 0) return;
+  (*keep)[farthest % n] = true;
+  KeepFarVertices(ring, first, farthest, tolerance, keep);
+  KeepFarVertices(ring, farthest, last, tolerance, keep);
+}
+
+struct Line2 {
+  Eigen::Vector2d point;
+  Eigen::Vector2d direction;
+};
+
+/// Line of least squares through the middles of the little edges from vertex `first` to `last`, by their
+/// length.
+Line2 FitLine(const Ring2& ring, int first, int last) {
+  const int n = static_cast<int>(ring.size());
+  const Eigen::Vector2d start = ring[first % n], end = ring[last % n];
+  double weight = 0.0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d outer = Eigen::Matrix2d::Zero();
+  for (int i = first; i < last; ++i) {
+    const Eigen::Vector2d a = ring[i % n] - start, b = ring[(i + 1) % n] - start;
+    const double w = (b - a).norm();
+    const Eigen::Vector2d middle = 0.5 * (a + b);
+    weight += w;
+    sum += w * middle;
+    outer += w * (middle * middle.transpose() + (b - a) * (b - a).transpose() / 12.0);
+  }
+  const Eigen::Vector2d mean = sum / weight;
+  const Eigen::Matrix2d c = outer / weight - mean * mean.transpose();
+  const double angle = 0.5 * std::atan2(2.0 * c(0, 1), c(0, 0) - c(1, 1));
+  Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+  if (direction.dot(end - start) < 0.0) direction = -direction;
+  return {start + mean, direction};
+}
+
+/// A traced ring with fewer vertices, no edge farther than a tolerance from what it replaces; edges are lines
+/// fitted to what they replace. Where that makes edges touch, Refine() brings traced vertices back.
+class SimplifiedRing {
+ public:
+  SimplifiedRing(const Ring2& traced, double tolerance)
+      : traced_(&traced), tolerance_(tolerance), keep_(traced.size(), false), pinned_(traced.size(), false) {
+    const int n = static_cast<int>(traced.size());
+    // The chain is cut at two vertices far apart, which no simplification would drop.
+    int a = 0;
+    for (int i = 1; i < n; ++i)
+      if (traced[i].x() + traced[i].y() < traced[a].x() + traced[a].y()) a = i;
+    int b = a;
+    for (int i = 0; i < n; ++i)
+      if ((traced[i] - traced[a]).squaredNorm() > (traced[b] - traced[a]).squaredNorm()) b = i;
+    keep_[a] = keep_[b] = true;
+    const int second = b > a ? b : b + n;
+    KeepFarVertices(traced, a, second, tolerance, &keep_);
+    KeepFarVertices(traced, second, a + n, tolerance, &keep_);
+    Build();
+    if (ring_.size() < 3 || SignedArea(ring_) * SignedArea(traced) <= 0.0) KeepAll();
+  }
+
+  const Ring2& ring() const { return ring_; }
+
+  /// The edge that starts at vertex `index` gives way: its ends go back to where they were traced, and what
+  /// it replaces is halved. Takes effect with the next Build().
+  void Refine(std::size_t index) {
+    const int n = static_cast<int>(traced_->size());
+    const int first = kept_[index];
+    const int last = index + 1 < kept_.size() ? kept_[index + 1] : kept_[0] + n;
+    for (const int i : {first, (first + last) / 2, last}) keep_[i % n] = pinned_[i % n] = true;
+  }
+
+  void KeepAll() {
+    std::fill(keep_.begin(), keep_.end(), true);
+    pinned_ = keep_;
+    Build();
+  }
+
+  void Build() {
+    const Ring2& traced = *traced_;
+    const int n = static_cast<int>(traced.size());
+    kept_.clear();
+    ring_.clear();
+    for (int i = 0; i < n; ++i)
+      if (keep_[i]) kept_.push_back(i);
+    const int m = static_cast<int>(kept_.size());
+    if (m < 3) return;
+    // A traced edge runs along pixels; the line fitted to it is finer than they are.
+    std::vector<Line2> lines;
+    for (int i = 0; i < m; ++i)
+      lines.push_back(FitLine(traced, kept_[i], i + 1 < m ? kept_[i + 1] : kept_[0] + n));
+    for (int i = 0; i < m; ++i) {
+      const Line2& before = lines[(i + m - 1) % m];
+      const Line2& after = lines[i];
+      Eigen::Vector2d vertex = traced[kept_[i]];
+      const double sine = Cross(before.direction, after.direction);
+      if (!pinned_[kept_[i]] && std::abs(sine) > 0.2) {
+        const double t = Cross(after.point - before.point, after.direction) / sine;
+        const Eigen::Vector2d meeting = before.point + t * before.direction;
+        if ((meeting - vertex).norm() < 2.0 * tolerance_) vertex = meeting;
+      }
+      ring_.push_back(vertex);
+    }
+  }
+
+ private:
+  const Ring2* traced_;
+  double tolerance_;
+  std::vector<bool> keep_;    // traced vertices that stay
+  std::vector<bool> pinned_;  // and may not move
+  std::vector<int> kept_;
+  Ring2 ring_;
+};
+
+std::vector<Ring2> SimplifiedBy(const std::vector<Ring2>& traced, double tolerance) {
+  std::vector<SimplifiedRing> simplified;
+  for (const Ring2& ring : traced) simplified.emplace_back(ring, tolerance);
+  // Each pass halves what the touching edges replace, so that a dozen reach single pixels; the rest are for
+  // edges that only come to touch by it.
+  constexpr int kMaxPasses = 40;
+  bool touching = true;
+  for (int pass = 0; pass < kMaxPasses && touching; ++pass) {
+    std::vector<const Ring2*> rings;
+    for (const SimplifiedRing& ring : simplified) rings.push_back(&ring.ring());
+    const std::vector<RingEdge> edges = TouchingEdges(rings);
+    for (const RingEdge& edge : edges) simplified[edge.ring].Refine(edge.index);
+    for (SimplifiedRing& ring : simplified) ring.Build();
+    touching = !edges.empty();
+  }
+  std::vector<Ring2> rings;
+  for (SimplifiedRing& ring : simplified) {
+    if (touching) ring.KeepAll();
+    rings.push_back(ring.ring());
+  }
+  return rings;
+}
+
+}  // namespace
+
+std::vector<Ring2> SimplifyRings(const std::vector<Ring2>& traced, double tolerance_m, int max_vertices) {
+  std::vector<Ring2> rings = SimplifiedBy(traced, tolerance_m);
+  while (NumVertices(rings) > max_vertices && tolerance_m < kMaxTolerance) {
+    tolerance_m *= 1.5;
+    std::vector<Ring2> coarser = SimplifiedBy(traced, tolerance_m);
+    // Rings that would touch get vertices back, so that coarser is not always fewer.
+    if (NumVertices(coarser) < NumVertices(rings)) rings = std::move(coarser);
+  }
+  return rings;
+}
+
+}  // namespace terrace

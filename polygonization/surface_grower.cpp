@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polygonization/surface_grower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "core/angles.h"
+
+namespace terrace {
+namespace {
+
+constexpr int kRounds = 2;
+/// A patch too small to have a direction of its own still has to look roughly the same way.
+constexpr double kMaxExtraAngle_rad = 0.5;
+/// A member leaves its surface only when it fits this much worse than a newcomer may.
+constexpr double kLeaveFactor = 1.5;
+
+double AngleBetween(const Plane& a, const Plane& b) {
+  return std::acos(std::clamp(a.normal.dot(b.normal), -1.0, 1.0));
+}
+
+}  // namespace
+
+void SurfaceGrower::Grow(const PatchUpdate& update) {
+  Replace(update);
+  for (int round = 0; round < kRounds && (round == 0 || !homeless_.empty()); ++round) {
+    FindHomes();
+    JoinSurfaces(update);
+    store_.RefitTouched();
+    EvictMisfits();
+  }
+  for (const MemberRef& ref : homeless_) store_.Found(ref);
+  homeless_.clear();
+  store_.RefitTouched();
+}
+
+/// A new patch that fits the surface of an old one of its cell goes straight there.
+void SurfaceGrower::Replace(const PatchUpdate& update) {
+  homeless_.clear();
+  for (const PatchUpdate::CellPatches& cell : update.cells) {
+    const std::vector<Member> old = store_.TakeOut(cell.key);
+    for (const Patch& patch : cell.patches) {
+      const MemberRef ref = store_.Add(cell.key, cell.centre_world, patch);
+      Member& member = store_.At(ref);
+      double best = std::numeric_limits<double>::infinity();
+      SurfaceId home = kNoSurface;
+      for (const Member& before : old) {
+        if (before.surface == kNoSurface) continue;
+        const std::optional<double> misfit = Misfit(member, store_.surfaces().at(before.surface), 1.0);
+        if (!misfit || *misfit >= best) continue;
+        best = *misfit;
+        home = before.surface;
+        member.polygon = before.polygon;
+      }
+      if (home != kNoSurface)
+        store_.Join(ref, home);
+      else
+        homeless_.push_back(ref);
+    }
+  }
+}
+
+std::optional<double> SurfaceGrower::Misfit(const Member& member, const Surface& surface,
+                                            double slack) const {
+  const Plane& plane = surface.plane_world;
+  const double angle = AngleBetween(plane, member.patch.plane_world);
+  const double max_angle =
+      Radians(slack * config_.max_angle_deg) +
+      std::min(kMaxExtraAngle_rad, 2.0 * (member.angle_sigma_rad + surface.angle_sigma_rad));
+  if (angle > max_angle) return std::nullopt;
+  const double offset = std::abs(plane.SignedDistance(member.mean_world));
+  const double max_offset = slack * (config_.max_offset_m + 2.0 * member.patch.noise_m);
+  if (offset > max_offset) return std::nullopt;
+  // The farthest end of the patch must not stand off either, where its own direction is known.
+  const double reach = 0.5 * (member.high_world - member.low_world).norm();
+  const double tilt = std::max(0.0, angle - 2.0 * member.angle_sigma_rad);
+  if (offset + reach * std::sin(tilt) > 2.0 * max_offset) return std::nullopt;
+  return offset / max_offset + angle / max_angle;
+}
+
+bool SurfaceGrower::Near(const Member& a, const Member& b) const {
+  return ((a.low_world - b.high_world).array() <= config_.max_gap_m).all() &&
+         ((b.low_world - a.high_world).array() <= config_.max_gap_m).all();
+}
+
+/// Calls visit(member) for every patch of the cell and the 26 around it that comes near the given one.
+template <typename Visitor>
+void SurfaceGrower::ForEachNeighbour(const MemberRef& ref, const Visitor& visit) const {
+  const Member& member = store_.At(ref);
+  store_.ForEachAround(ref.cell, [&](const CellKey& key, const CellMembers& cell) {
+    for (int i = 0; i < static_cast<int>(cell.members.size()); ++i) {
+      const Member& neighbour = cell.members[static_cast<std::size_t>(i)];
+      if (MemberRef{key, i} != ref && Near(member, neighbour)) visit(neighbour);
+    }
+  });
+}
+
+/// Region growing: each homeless patch joins the neighbouring surface that it fits best, best-known patches
+/// first; one that fits none founds a surface that others may join.
+void SurfaceGrower::FindHomes() {
+  std::vector<MemberRef> queue;
+  queue.swap(homeless_);
+  std::sort(queue.begin(), queue.end(), [&](const MemberRef& a, const MemberRef& b) {
+    const double wa = store_.At(a).patch.area_m2, wb = store_.At(b).patch.area_m2;
+    return wa != wb ? wa > wb : a < b;
+  });
+  for (const MemberRef& ref : queue) {
+    SurfaceId home = kNoSurface;
+    double best = std::numeric_limits<double>::infinity();
+    ForEachNeighbour(ref, [&](const Member& neighbour) {
+      if (neighbour.surface == kNoSurface || neighbour.surface == home) return;
+      const std::optional<double> misfit =
+          Misfit(store_.At(ref), store_.surfaces().at(neighbour.surface), 1.0);
+      if (!misfit || *misfit > best || (*misfit == best && neighbour.surface > home)) return;
+      best = *misfit;
+      home = neighbour.surface;
+    });
+    if (home == kNoSurface)
+      store_.Found(ref);
+    else
+      store_.Join(ref, home);
+  }
+}
+
+/// Joins neighbouring surfaces whose points one plane explains.
+void SurfaceGrower::JoinSurfaces(const PatchUpdate& update) {
+  store_.RefitTouched();
+  const std::map<SurfaceId, Surface>& surfaces = store_.surfaces();
+  // Pairs that meet in or beside a cell that changed.
+  std::set<std::pair<SurfaceId, SurfaceId>> pairs;
+  for (const PatchUpdate::CellPatches& cell : update.cells) {
+    for (int i = 0; i < static_cast<int>(cell.patches.size()); ++i) {
+      const Member& member = store_.At({cell.key, i});
+      if (member.surface == kNoSurface) continue;
+      const Surface& surface = surfaces.at(member.surface);
+      ForEachNeighbour({cell.key, i}, [&](const Member& neighbour) {
+        if (neighbour.surface == kNoSurface || neighbour.surface == member.surface) return;
+        if (!Misfit(member, surfaces.at(neighbour.surface), 1.0) && !Misfit(neighbour, surface, 1.0)) return;
+        pairs.insert(std::minmax(member.surface, neighbour.surface));
+      });
+    }
+  }
+  for (const auto& [a, b] : pairs) {
+    const SurfaceId first = Survivor(a), second = Survivor(b);
+    if (first == second || !OnePlane(surfaces.at(first), surfaces.at(second))) continue;
+    const bool keep_first = surfaces.at(first).moments.weight >= surfaces.at(second).moments.weight;
+    const SurfaceId keep = keep_first ? first : second, lose = keep_first ? second : first;
+    store_.Absorb(keep, lose);
+    absorbed_by_[lose] = keep;
+  }
+  absorbed_by_.clear();
+}
+
+SurfaceId SurfaceGrower::Survivor(SurfaceId id) const {
+  for (auto found = absorbed_by_.find(id); found != absorbed_by_.end(); found = absorbed_by_.find(id))
+    id = found->second;
+  return id;
+}
+
+bool SurfaceGrower::OnePlane(const Surface& a, const Surface& b) const {
+  if (AngleBetween(a.plane_world, b.plane_world) >
+      Radians(config_.max_angle_deg) +
+          std::min(kMaxExtraAngle_rad, 2.0 * (a.angle_sigma_rad + b.angle_sigma_rad)))
+    return false;
+  const bool a_larger = a.moments.weight >= b.moments.weight;
+  const Surface &large = a_larger ? a : b, &small = a_larger ? b : a;
+  PlaneMoments both = large.moments;
+  const Eigen::Vector3d shift = small.origin_world - large.origin_world;
+  both.Add(small.moments, shift);
+  const Plane plane = both.Fit(large.plane_world.normal);
+  PlaneMoments shifted;
+  shifted.Add(small.moments, shift);
+  const auto explains = [&](const PlaneMoments& moments, double noise_m) {
+    const double limit = 0.7 * config_.max_offset_m + 1.5 * noise_m;
+    return moments.MeanSquaredDistance(plane) < limit * limit;
+  };
+  return explains(large.moments, large.noise_m) && explains(shifted, small.noise_m);
+}
+
+void SurfaceGrower::EvictMisfits() {
+  const std::set<SurfaceId> touched = store_.touched();
+  for (const SurfaceId id : touched) {
+    const auto found = store_.surfaces().find(id);
+    if (found == store_.surfaces().end()) continue;
+    const std::vector<MemberRef> evicted = store_.Evict(
+        id, [&](const Member& member) { return Misfit(member, found->second, kLeaveFactor).has_value(); });
+    homeless_.insert(homeless_.end(), evicted.begin(), evicted.end());
+  }
+}
+
+}  // namespace terrace

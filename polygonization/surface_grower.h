@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "polygonization/cell_modeller.h"
+#include "polygonization/merging_config.h"
+#include "polygonization/surface_store.h"
+
+namespace terrace {
+
+/// Decides what belongs together: which surface a new patch joins, which surfaces are one, and who has to
+/// leave.
+class SurfaceGrower {
+ public:
+  SurfaceGrower(const MergingConfig& config, SurfaceStore* store) : config_(config), store_(*store) {}
+
+  /// Puts the new patches in the place of the old ones and finds a surface for each.
+  void Grow(const PatchUpdate& update);
+
+ private:
+  void Replace(const PatchUpdate& update);
+  void FindHomes();
+  void JoinSurfaces(const PatchUpdate& update);
+  void EvictMisfits();
+  /// How badly a patch fits a surface, or nothing when it does not belong there at all.
+  std::optional<double> Misfit(const Member& member, const Surface& surface, double slack) const;
+  bool OnePlane(const Surface& a, const Surface& b) const;
+  bool Near(const Member& a, const Member& b) const;
+  template <typename Visitor>
+  void ForEachNeighbour(const MemberRef& ref, const Visitor& visit) const;
+  SurfaceId Survivor(SurfaceId id) const;
+
+  const MergingConfig& config_;
+  SurfaceStore& store_;
+  // Of the update at hand.
+  std::vector<MemberRef> homeless_;
+  std::map<SurfaceId, SurfaceId> absorbed_by_;
+};
+
+}  // namespace terrace

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "terrain/terrain_mapper.h"
+
+#include "core/check.h"
+#include "labeling/gravity_from_planes.h"
+#include "stereo/cloud.h"
+
+namespace terrace {
+namespace {
+
+/// Ids of regions that are new or have another revision in `after`, and of those that are gone. Both maps
+/// ascend by id.
+void CompareMaps(const TerrainMap& before, const TerrainMap& after, MapChange* change) {
+  auto old = before.regions.begin();
+  for (const auto& region : after.regions) {
+    for (; old != before.regions.end() && (*old)->id < region->id; ++old)
+      change->removed.push_back((*old)->id);
+    const bool known = old != before.regions.end() && (*old)->id == region->id;
+    if (!known) {
+      change->added.push_back(region->id);
+    } else if ((*old)->revision != region->revision) {
+      change->revised.push_back(region->id);
+    }
+    if (known) ++old;
+  }
+  for (; old != before.regions.end(); ++old) change->removed.push_back((*old)->id);
+}
+
+}  // namespace
+
+TerrainMapper::Parts::Parts(const TerrainConfig& config, const StereoCamera& camera,
+                            const std::optional<Eigen::Isometry3d>& T_body_left, std::int64_t map_id)
+    : octree(config.mapping),
+      modeller(config.modelling),
+      merger(config.merging),
+      labeler(config.labeling, config.staircases, config.robot, camera, T_body_left, map_id) {}
+
+TerrainMapper::TerrainMapper(const TerrainConfig& config, const StereoCamera& camera,
+                             const std::optional<Eigen::Isometry3d>& T_body_left, StageMeters* meters)
+    : config_(config), camera_(camera), T_body_left_(T_body_left), meters_(meters) {
+  parts_.emplace(config_, camera_, T_body_left_, 1);
+}
+
+MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose, const Gravity& gravity) {
+  TERRACE_CHECK(pose.trusted, pose.reason);
+  MapChange change;
+  const TerrainMapPtr before = map();
+  StageMeasurement measuring(meters_, StageId::kDecomposition);
+  const Cloud cloud = Triangulate(view.disparity, view.camera, config_.cloud, view.self_mask);
+  const ChangedCells cells = parts_->octree.Insert(cloud, view.camera, pose);
+  measuring.Next(StageId::kModelling);
+  const PatchUpdate patches = parts_->modeller.Fit(parts_->octree, cells);
+  measuring.Next(StageId::kMerging);
+  const PolygonUpdate polygons = parts_->merger.Merge(patches);
+  measuring.Next(StageId::kLabels);
+  change.map = parts_->labeler.Label(polygons, pose, gravity);
+
+  gravity_hint_ = GravityFromPlanes(polygons, pose, gravity);
+  CompareMaps(*before, *change.map, &change);
+  CountCells(&change);
+  return change;
+}
+
+MapChange TerrainMapper::Unchanged() const {
+  MapChange change;
+  change.map = map();
+  CountCells(&change);
+  return change;
+}
+
+void TerrainMapper::Reset() {
+  const std::int64_t map_id = map()->map_id + 1;
+  parts_.emplace(config_, camera_, T_body_left_, map_id);
+  gravity_hint_.reset();
+}
+
+void TerrainMapper::CountCells(MapChange* change) const {
+  change->map_cells = parts_->octree.num_occupied_leaves();
+  change->map_bytes = parts_->octree.memory_bytes() + parts_->merger.memory_bytes();
+}
+
+}  // namespace terrace
