@@ -15,9 +15,6 @@ namespace {
 constexpr double kTreadEdgeWeight = 0.3;
 /// The top and bottom of a face are worse known than the height of a level piece.
 constexpr double kFaceHeightWeight = 0.2;
-/// Of a part of a face neither is known.
-constexpr double kPartHeightWeight = 0.04;
-constexpr double kWholeFace = 0.6;  // of the rise
 
 /// Least squares of y = a + b x with weights; none when all x are equal.
 std::optional<std::pair<double, double>> FitLine(const std::vector<std::array<double, 3>>& xyw) {
@@ -67,10 +64,7 @@ std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepF
     const double weight = e.area_m2 / std::max(1e-9, area[{fit.step_index, e.riser}]);
     const double along = flight.frame->Unwrapped(e.along.low, flight.stride.EdgeAt(fit.step_index));
     if (e.riser) {
-      // Seen from below, the step in front hides a little of each face's foot, more of it the higher it is.
-      const bool whole = e.heights.length() > kWholeFace * flight.stride.rise;
-      heights.push_back({fit.step_index - (whole ? 0.0 : 0.5), whole ? e.heights.high : e.z,
-                         (whole ? kFaceHeightWeight : kPartHeightWeight) * weight});
+      heights.push_back({fit.step_index - 0.5, e.z, kFaceHeightWeight * weight});
       edges.push_back({fit.step_index - 1.0, along, weight});
     } else {
       heights.push_back({static_cast<double>(fit.step_index), e.z, weight});

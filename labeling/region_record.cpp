@@ -38,8 +38,8 @@ void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, con
   told_ = true;
   const std::optional<std::int64_t> staircase_id = stairs ? std::optional(stairs->id) : std::nullopt;
   const std::optional<int> step_index = stairs ? std::optional(stairs->place.step_index) : std::nullopt;
-  if (same_polygon && region_->label == verdict.label && region_->staircase_id == staircase_id &&
-      region_->step_index == step_index && region_->edges == edges &&
+  if (same_polygon && region_->label == verdict.label && region_->why == verdict.why &&
+      region_->staircase_id == staircase_id && region_->step_index == step_index && region_->edges == edges &&
       std::abs(region_->confidence - verdict.confidence) < kConfidenceStep)
     return;
   auto region = std::make_shared<TerrainRegion>();
@@ -47,6 +47,7 @@ void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, con
   region->revision = region_ ? region_->revision + 1 : 1;
   region->label = verdict.label;
   region->confidence = verdict.confidence;
+  region->why = verdict.why;
   region->plane_world = polygon.plane_world;
   region->plane_covariance = polygon.plane_covariance;
   region->centroid_world = polygon.centroid_world;

@@ -155,8 +155,8 @@ class TerrainLabeler::Impl {
     }
     RefreshEdges(i, record);
     if (step) {
-      verdict.label = step->place.riser ? TerrainLabel::kStairRiser : TerrainLabel::kStairTread;
-      verdict.confidence = step->confidence;
+      const bool riser = step->place.riser;
+      verdict = {riser ? TerrainLabel::kStairRiser : TerrainLabel::kStairTread, step->confidence};
     } else {
       verdict = record.Steady(verdict, config_.frames_to_change_label);
     }
