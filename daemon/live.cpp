@@ -20,6 +20,7 @@
 #include "daemon/sinks.h"
 #include "daemon/status_reporter.h"
 #include "daemon/terrain_publisher.h"
+#include "datasets/calibration_file.h"
 #include "datasets/euroc.h"
 
 namespace terrace {
@@ -27,9 +28,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::optional<StereoCalibration> CalibrationFrom(const std::string& folder) {
-  if (folder.empty()) return std::nullopt;
-  return ReadEurocCalibration(folder);
+/// As configured; none: it comes as a message.
+std::optional<StereoCalibration> CalibrationFrom(const std::string& configured) {
+  const std::vector<std::filesystem::path> files = SplitFileList(configured);
+  if (files.empty()) return std::nullopt;
+  // The folder of a recording knows its IMU, too.
+  if (files.size() == 1 && std::filesystem::is_directory(files[0] / "mav0"))
+    return ReadEurocCalibration(files[0]);
+  std::vector<std::string> notes;
+  StereoCalibration calibration = ReadRig(files, &notes);
+  for (const std::string& note : notes) spdlog::warn("{}", note);
+  return calibration;
 }
 
 /// Everything that begins once the calibration is known.
@@ -62,7 +71,7 @@ class LiveNode {
     if (!lcm_.good()) throw std::runtime_error("lcm.url = " + config.live.url + ": cannot be opened");
     if (!options.output.empty()) PrepareOutputFolder(options.output, options.overwrite);
     input_.emplace(
-        &lcm_, config.channels, config.live, CalibrationFrom(config.live.calibration_folder),
+        &lcm_, config.channels, config.live, CalibrationFrom(config.live.calibration),
         [this](const command_v1_t& command) { Answer(command); },
         [this](const terrain_repair_v1_t& repair) {
           if (mapper_) mapper_->publisher.Answer(repair);
@@ -176,7 +185,7 @@ class LiveNode {
   std::string SayThatCalibrationIsMissing() {
     const std::string text = input_->calibration_problem().empty()
                                  ? "no calibration yet: waiting for calibration_v1_t on " +
-                                       config_.channels.calibration + " (or set lcm.calibration_folder)"
+                                       config_.channels.calibration + " (or set lcm.calibration)"
                                  : input_->calibration_problem();
     if (!std::exchange(calibration_missing_said_, true)) spdlog::warn("{}", text);
     return text;

@@ -11,9 +11,9 @@ struct LiveConfig {
   /// LCM provider. A receive buffer of 2 MB keeps images whole; net.core.rmem_max must allow it
   /// (config/60-terrace-lcm.conf).
   std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
-  /// Folder with `mav0/cam0/sensor.yaml`, `mav0/cam1/sensor.yaml` and, with an IMU, `mav0/imu0/sensor.yaml`
-  /// as EuRoC sequences have them: the calibration of the rig. Empty: it comes as a message.
-  std::string calibration_folder = "";
+  /// Calibration of the rig, as files of any tool or device that `terrace calibration` reads, several of them with
+  /// commas between, or a folder that holds mav0/. Empty: it comes as a message.
+  std::string calibration = "";
   /// How long a pair of images waits for IMU samples up to its own time, which often arrive a little later.
   double imu_wait_ms = 100.0;
   /// IMU samples further apart than this count as a gap.

@@ -7,20 +7,6 @@
 #include "core/check.h"
 
 namespace terrace {
-namespace {
-
-Mounting MountingOf(const StereoCalibration& calibration, const Eigen::Matrix3d& R_rect_raw) {
-  Mounting mounting;
-  mounting.imu_noise = calibration.imu_noise;
-  if (!calibration.T_body_rawleft) return mounting;
-  Eigen::Isometry3d T_rawleft_left = Eigen::Isometry3d::Identity();
-  T_rawleft_left.linear() = R_rect_raw.transpose();
-  mounting.T_body_left = *calibration.T_body_rawleft * T_rawleft_left;
-  if (calibration.T_body_imu) mounting.T_left_imu = mounting.T_body_left->inverse() * *calibration.T_body_imu;
-  return mounting;
-}
-
-}  // namespace
 
 std::vector<std::string> FlowConfig::Problems() const {
   std::vector<std::string> problems;
@@ -35,7 +21,7 @@ Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibr
                    const cv::Mat1b& self_mask, Pace pace)
     : config_(config),
       rectifier_(calibration, config.rectifier),
-      mounting_(MountingOf(calibration, rectifier_.R_rect_raw())),
+      mounting_(MountingOf(config.mounting, calibration, rectifier_.R_rect_raw())),
       self_mask_(self_mask),
       matcher_(config.stereo),
       odometry_(config.odometry, rectifier_.camera(), mounting_),

@@ -19,6 +19,7 @@
 #include "daemon/sinks.h"
 #include "daemon/status_reporter.h"
 #include "daemon/terrain_publisher.h"
+#include "datasets/calibration_file.h"
 #include "datasets/sequence.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/subscribe.h"
@@ -135,6 +136,17 @@ class ReplayPublisher : public FrameSink {
   SteadyClock::time_point t_repair_;
 };
 
+/// Of the sequence, or of the files that replace it.
+StereoCalibration CalibrationOf(const SequenceInfo& info, const ReplayOptions& options) {
+  if (options.calibration.empty()) return info.calibration;
+  RigOptions rig_options;
+  rig_options.size = {info.calibration.width, info.calibration.height};
+  std::vector<std::string> notes;
+  StereoCalibration calibration = ReadRig(options.calibration, &notes, rig_options);
+  for (const std::string& note : notes) spdlog::warn("{}", note);
+  return calibration;
+}
+
 }  // namespace
 
 void RunReplay(const ReplayOptions& options, const Config& config) {
@@ -144,7 +156,8 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   const SequenceInfo& info = sequence->info();
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
 
-  MapperRun run(config.pipeline, info.calibration, options.realtime ? Pace::kNewest : Pace::kEveryFrame,
+  MapperRun run(config.pipeline, CalibrationOf(info, options),
+                options.realtime ? Pace::kNewest : Pace::kEveryFrame,
                 options.num_threads == 1 && !options.realtime);
   PrepareOutputFolder(options.output, options.overwrite);
   run.Add(std::make_unique<WarningLog>());

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include <Eigen/Geometry>
-
-#include "core/camera.h"
+#include "odometry/mounting.h"
 
 namespace terrace {
 
@@ -46,13 +43,6 @@ struct OdometryConfig {
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;
-};
-
-/// What is known about how the rectified left camera sits on the robot.
-struct Mounting {
-  std::optional<Eigen::Isometry3d> T_body_left;
-  std::optional<Eigen::Isometry3d> T_left_imu;
-  ImuNoise imu_noise;
 };
 
 }  // namespace terrace
