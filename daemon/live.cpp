@@ -26,6 +26,7 @@
 #include "daemon/terrain_publisher.h"
 #include "daemon/threaded_pipeline.h"
 #include "datasets/euroc.h"
+#include "results/map_file.h"
 
 namespace terrace {
 namespace {
@@ -60,7 +61,7 @@ class LiveMapper {
                  [this](const SensorFrame&, const FrameResult& result) { TakeResult(result); }) {
     if (!options.output.empty())
       writer_.emplace(options.output,
-                      RigDescription{pipeline_.camera(), pipeline_.R_rect_raw(), pipeline_.T_body_left()}, 0);
+                      ResultCamera{pipeline_.camera(), pipeline_.R_rect_raw(), pipeline_.T_body_left()}, 0);
   }
 
   /// False when a stage has failed.

@@ -7,7 +7,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/folder_sequence.h"
 #include "datasets/ground_truth.h"
 #include "datasets/text_table.h"

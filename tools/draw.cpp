@@ -14,7 +14,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "datasets/sequence.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 #include "stereo/rectifier.h"
 #include "tools/commands.h"
 #include "tools/terrain_picture.h"
