@@ -35,7 +35,7 @@ double LargestTrueAngle(const RawCamera& symmetric) {
 
 std::string Number(double value) {
   std::ostringstream text;
-  text.precision(4);
+  text.precision(6);
   text << value;
   return text.str();
 }

@@ -37,7 +37,8 @@ std::optional<LevelBeside> MeasureLevel(const StaircaseConfig& config, const Reg
   const double flight_end = along.middle() < hint ? along.high : along.low;
   const double z = flight.frame->HeightNear(s, flight_end, stride.lateral.middle());
   const int level = static_cast<int>(std::lround((z - stride.z0) / stride.rise));
-  if (std::abs(z - stride.z0 - level * stride.rise) > 1.5 * config.height_tolerance_m) return std::nullopt;
+  if (std::abs(z - stride.z0 - level * stride.rise) > 1.5 * config.HeightTolerance(stride.rise))
+    return std::nullopt;
   return LevelBeside{along, level};
 }
 

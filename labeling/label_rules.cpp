@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/angles.h"
+#include "labeling/slope_evidence.h"
 
 namespace terrace {
 namespace {
@@ -45,8 +46,13 @@ bool GroundGoesOn(const RegionShape& a, const RegionShape& b, const std::vector<
   return false;
 }
 
-LabelRules::LabelRules(const LabelingConfig& config, const RobotConfig& robot, const Scene& scene)
-    : config_(config), robot_(robot), scene_(scene), index_(scene.shapes, config.ground_search_m) {}
+LabelRules::LabelRules(const LabelingConfig& config, const StaircaseConfig& stairs, const RobotConfig& robot,
+                       const Scene& scene)
+    : config_(config),
+      stairs_(stairs),
+      robot_(robot),
+      scene_(scene),
+      index_(scene.shapes, config.ground_search_m) {}
 
 bool LabelRules::Level(const RegionShape& shape) const {
   if (shape.lean != Lean::kSupport) return false;
@@ -207,9 +213,24 @@ bool LabelRules::ContinuesAWall(int i, const std::vector<Verdict>& verdicts) con
   return false;
 }
 
+/// An incline in which steps may hide, or that is no plane, is never told for sure.
+std::optional<Verdict> LabelRules::Undecided(const RegionShape& slope) const {
+  if (!CouldBeStairs(slope, stairs_)) return std::nullopt;
+  switch (JudgeSlope(slope, stairs_)) {
+    case SlopeEvidence::kPlane:
+      return std::nullopt;
+    case SlopeEvidence::kNotResolved:
+      return Verdict{TerrainLabel::kUnknown, 0.4, false, "inclined, not resolved"};
+    case SlopeEvidence::kNotPlane:
+      return Verdict{TerrainLabel::kUnknown, 0.4, false, "inclined, not a plane"};
+  }
+  return std::nullopt;
+}
+
 Verdict LabelRules::DecideSteep(int i) const {
   const RegionShape& s = *scene_.shapes[i];
   if (s.area_m2 < 2.0 * config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3};
+  if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   constexpr double kFootTolerance = 0.1;
   const auto ground =
       GroundHeight(s.centroid.head<2>() + 0.5 * s.rectangle.depth_m * s.plane.normal.head<2>().normalized(),
@@ -235,6 +256,7 @@ std::optional<double> LabelRules::HeightOverSurroundings(int i) const {
 Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
   const RegionShape& s = *scene_.shapes[i];
   const double level = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
+  if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   if (large[i] && scene_.reachable[i]) return {TerrainLabel::kWalkway, Seasoned(0.97 * level, s)};
   if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3};
   const std::optional<double> height = HeightOverSurroundings(i);
@@ -257,8 +279,7 @@ Verdict LabelRules::DecideSlope(int i, bool large) const {
   const double walkable = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
   const double sloped =
       ChancePositive(s.slope_rad - Radians(robot_.max_walkway_slope_deg), s.slope_sigma_rad);
-  // Far away the treads of a staircase blur to a slope.
-  if (scene_.nearest_view_m[i] > config_.max_resolving_distance_m) return {TerrainLabel::kUnknown, 0.4};
+  if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   if (large && scene_.reachable[i]) return {TerrainLabel::kRamp, Seasoned(0.95 * walkable * sloped, s)};
   if (s.area_m2 < config_.min_decided_area_m2 || large) return {TerrainLabel::kUnknown, 0.3};
   return HeightOverSurroundings(i) ? Verdict{TerrainLabel::kObstacle, Seasoned(0.6, s)}

@@ -8,6 +8,7 @@
 #include "labeling/labeling_config.h"
 #include "labeling/plan_index.h"
 #include "labeling/region_shape.h"
+#include "labeling/staircase_config.h"
 #include "labeling/step_graph.h"
 
 namespace terrace {
@@ -31,7 +32,8 @@ struct Scene {
 struct Verdict {
   TerrainLabel label = TerrainLabel::kUnknown;
   double confidence = 0.0;
-  bool topped = false;  ///< of a face: a level piece lies on its upper edge
+  bool topped = false;   ///< of a face: a level piece lies on its upper edge
+  const char* why = "";  ///< what keeps it undecided
 };
 
 /// True when two supports are at one height across a gap, and what lies between them was not seen to be
@@ -42,7 +44,8 @@ bool GroundGoesOn(const RegionShape& a, const RegionShape& b, const std::vector<
 /// The meaning of the labels in DESIGN.md as rules, for everything but staircases.
 class LabelRules {
  public:
-  LabelRules(const LabelingConfig& config, const RobotConfig& robot, const Scene& scene);
+  LabelRules(const LabelingConfig& config, const StaircaseConfig& stairs, const RobotConfig& robot,
+             const Scene& scene);
 
   std::vector<Verdict> Decide() const;
 
@@ -62,8 +65,10 @@ class LabelRules {
   Verdict DecideSteep(int i) const;
   Verdict DecideLevel(int i, const std::vector<bool>& large) const;
   Verdict DecideSlope(int i, bool large) const;
+  std::optional<Verdict> Undecided(const RegionShape& slope) const;
 
   const LabelingConfig& config_;
+  const StaircaseConfig& stairs_;
   const RobotConfig& robot_;
   const Scene& scene_;
   PlanIndex index_;

@@ -43,8 +43,7 @@ struct LabelingConfig {
   double max_unseen_gap_m = 1.0;
   /// A slope that rises less than this from end to end is uneven ground, not a ramp.
   double min_ramp_rise_m = 0.06;
-  /// From farther away a staircase cannot be told from a ramp, nor the top of a face from where matching
-  /// ends.
+  /// From farther away the top of a face cannot be told from where matching ends.
   double max_resolving_distance_m = 4.0;
   /// The ground at the foot of a face or beside a top is looked for this far away.
   double ground_search_m = 0.4;

@@ -6,7 +6,9 @@
 
 namespace terrace {
 Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
-  if (!region_) return verdict;
+  // Calling stairs a ramp is the worst mistake: a ramp is told late and taken back at once.
+  const Verdict undecided{TerrainLabel::kUnknown, 0.4, false, "inclined, just seen"};
+  if (!region_) return verdict.label == TerrainLabel::kRamp ? undecided : verdict;
   const TerrainLabel told = region_->label;
   if (verdict.label == told) {
     num_next_ = 0;
@@ -17,10 +19,13 @@ Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
   ++num_next_;
   // A staircase has been confirmed by its tracker, and its regions must agree with it at once.
   const bool step_before = region_->staircase_id.has_value();
-  if (told == TerrainLabel::kUnknown || step_before || num_next_ >= frames_to_change) {
+  const bool free_to_change = told == TerrainLabel::kUnknown || told == TerrainLabel::kRamp || step_before;
+  const bool at_once = free_to_change && verdict.label != TerrainLabel::kRamp;
+  if (at_once || num_next_ >= frames_to_change) {
     num_next_ = 0;
     return verdict;
   }
+  if (step_before || told == TerrainLabel::kUnknown) return undecided;
   return {told, region_->confidence};
 }
 

@@ -14,8 +14,8 @@ std::vector<std::string> StaircaseConfig::Problems() const {
        "min_pitch_deg and max_pitch_deg must rise between 0 and 90");
   need(min_width_m > 0.0, "min_width_m must be positive");
   need(min_confidence >= 0.0 && min_confidence < 1.0, "min_confidence must lie between 0 and 1");
-  need(height_tolerance_m > 0.0 && height_tolerance_m < 0.5 * min_riser_m,
-       "height_tolerance_m must lie between 0 and half of min_riser_m");
+  need(height_tolerance_m > 0.0 && height_tolerance_m < 0.5 * max_riser_m,
+       "height_tolerance_m must lie between 0 and half of max_riser_m");
   need(edge_tolerance_m > 0.0 && edge_tolerance_m < min_tread_m,
        "edge_tolerance_m must lie between 0 and min_tread_m");
   need(max_turn_deg > 0.0 && max_turn_deg < 45.0, "max_turn_deg must lie between 0 and 45");

@@ -30,14 +30,15 @@ std::optional<StepFit> FitStep(const StaircaseConfig& config, const FlightFrame&
   const double shift = frame.Unwrapped(e.along.low, edge) - e.along.low;
   const double low = e.along.low + shift;
   const double high = e.along.high + shift;
+  const double height_tolerance = config.HeightTolerance(stride.rise);
   double strain = 0.0;  // of the worst measure, in tolerances
   if (e.riser) {
     strain = std::abs(low - edge) / config.edge_tolerance_m;
     // Rounded edges and strips of the neighbours: twice the tolerance at the ends of a face.
     const double beyond = std::max(z_low - e.heights.low, e.heights.high - z_high);
-    strain = std::max(strain, 0.5 * beyond / config.height_tolerance_m);
+    strain = std::max(strain, 0.5 * beyond / height_tolerance);
   } else {
-    strain = std::abs(e.z - z_high) / config.height_tolerance_m;
+    strain = std::abs(e.z - z_high) / height_tolerance;
     // What is hidden makes a tread shorter, never longer.
     strain = std::max(strain, (edge - low) / config.edge_tolerance_m);
     strain = std::max(strain, (high - (edge + stride.run)) / config.edge_tolerance_m);

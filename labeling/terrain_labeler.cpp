@@ -65,6 +65,7 @@ class TerrainLabeler::Impl {
   Impl(const LabelingConfig& config, const StaircaseConfig& staircases, const RobotConfig& robot,
        const StereoCamera& camera, const std::optional<Eigen::Isometry3d>& T_body_left, std::int64_t map_id)
       : config_(config),
+        stairs_(staircases),
         robot_(robot),
         T_left_body_(T_body_left ? T_body_left->inverse() : Eigen::Isometry3d::Identity()),
         table_(ShapeLimitsOf(config, robot), Radians(config.max_gravity_change_deg)),
@@ -90,7 +91,7 @@ class TerrainLabeler::Impl {
         ReachableFrom(stances_.Seeds(shapes, table_.R_level_world()),
                       StairLinks(tracker_.confirmed(), table_, robot_), graph_, shapes, config_);
     const Scene scene{shapes, graph_, reachable, views_.tops(), views_.nearest_view_m()};
-    return Publish(update, pose, gravity, LabelRules(config_, robot_, scene).Decide());
+    return Publish(update, pose, gravity, LabelRules(config_, stairs_, robot_, scene).Decide());
   }
 
   const TerrainMapPtr& map() const { return map_; }
@@ -157,6 +158,7 @@ class TerrainLabeler::Impl {
   }
 
   LabelingConfig config_;
+  StaircaseConfig stairs_;
   RobotConfig robot_;
   Eigen::Isometry3d T_left_body_;
   ShapeTable table_;

@@ -105,7 +105,7 @@ bool CountsAddUp(const region_v1_t& message) {
 
 /// Adds the rings of one piece; false when they do not add up.
 bool AddRings(const region_v1_t& piece, std::vector<Ring>* rings, std::vector<RegionEdge>* edges) {
-  if (!CountsAddUp(piece) || (piece.continues != 0) == rings->empty()) return false;
+  if (!CountsAddUp(piece) || (piece.continues != 0 && rings->empty())) return false;
   const auto T_world_plane = ReadPose(piece.origin, piece.quat);
   if (!T_world_plane) return false;
   const std::size_t num_vertices = piece.coords.size() / 2;

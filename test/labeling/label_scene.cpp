@@ -136,7 +136,7 @@ PolygonUpdate LabelScene::Update(const Noise& noise, unsigned seed) const {
     polygon->num_observations = 10;
     polygon->first_seen = polygon->last_seen = update.t_capture;
     update.polygons.push_back(polygon);
-    update.changed.push_back(polygon->id);
+    update.added.push_back(polygon->id);
   }
   return update;
 }

@@ -285,7 +285,34 @@ TEST(TerrainLabelerTest, JudgesSlopesByGravity) {
   PoseEstimate pose = StandingAt(0, 0);
   pose.T_world_left = Eigen::Isometry3d(R) * pose.T_world_left;
   TerrainLabeler labeler = MakeLabeler();
-  EXPECT_EQ(WrongLabels(scene, *labeler.Label(leaning.Update(), pose, gravity)), "");
+  for (int frame = 0; frame < 5; ++frame) labeler.Label(leaning.Update(), pose, gravity);
+  EXPECT_EQ(WrongLabels(scene, *labeler.map()), "");
+}
+
+TEST(TerrainLabelerTest, NeverCallsAnInclineARampInWhichStepsMayHide) {
+  // Stairs seen from afar: a plane of 29 deg, its noise as high as a step.
+  LabelScene scene;
+  scene.AddLevel(kWalkway, {1, 0, 0}, 6, 2);
+  scene.Add({{{4, -1, 0}, {6, -1, 1.1}, {6, 1, 1.1}, {4, 1, 0}}, {}, kRamp});
+  PolygonUpdate update = scene.Update();
+  auto far = std::make_shared<Polygon>(*update.polygons[1]);
+  far->rms_m = 0.024;
+  far->noise_m = 0.026;
+  update.polygons[1] = far;
+  TerrainLabeler labeler = MakeLabeler();
+  for (int frame = 0; frame < 10; ++frame) {
+    labeler.Label(update, StandingAt(0, 0), TestGravity());
+    EXPECT_EQ(labeler.map()->regions[1]->label, kUnknown) << "frame " << frame;
+  }
+  // From near it is seen to be a plane, and is told a few frames later.
+  auto near = std::make_shared<Polygon>(*far);
+  near->rms_m = 0.002;
+  near->noise_m = 0.004;
+  update.polygons[1] = near;
+  EXPECT_EQ(LabelOften(labeler, update, StandingAt(2.5, 0))->regions[1]->label, kRamp);
+  // Evidence against it is heard at once.
+  update.polygons[1] = far;
+  EXPECT_EQ(labeler.Label(update, StandingAt(2.5, 0), TestGravity())->regions[1]->label, kUnknown);
 }
 
 TEST(TerrainLabelerTest, KnowsAWallThatLeavesTheViewFromABoxThatEndsInIt) {

@@ -11,7 +11,7 @@ namespace terrace {
 namespace {
 
 struct SeenFloor {
-  TerrainOctree octree{MappingConfig{}, TestCamera()};
+  TerrainOctree octree{MappingConfig{}};
   ChangedCells cells;
 
   explicit SeenFloor(double height_m) {
@@ -21,7 +21,7 @@ struct SeenFloor {
     for (int i = 0; i < 4; ++i) {
       const PoseEstimate pose = LookFrom(i, -0.6, 0, 0.45 + height_m, 0, 0.5);
       const ChangedCells changed =
-          octree.Insert(world.See(TestCamera(), pose.T_world_left, i, 1, 0.1, &random), pose);
+          octree.Insert(world.See(TestCamera(), pose.T_world_left, i, 1, 0.1, &random), TestCamera(), pose);
       if (changed.keys.size() > cells.keys.size()) cells = changed;
     }
   }
