@@ -140,6 +140,8 @@ void ResultWriter::Finish(const RunTotals& totals) {
   stats.frames = num_frames_;
   stats.tracked = num_tracking_ + num_bridging_;
   stats.dropped = totals.num_dropped;
+  stats.passed_over = totals.num_passed_over;
+  stats.lessons_skipped = totals.num_lessons_skipped;
   stats.rate_hz = totals.wall_s > 0 ? static_cast<double>(num_frames_) / totals.wall_s : 0.0;
   stats.peak_rss_mib = PeakRssMib();
   stats.map_bytes = map_bytes_;

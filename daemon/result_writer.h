@@ -12,6 +12,7 @@
 
 #include "core/statistics.h"
 #include "daemon/pipeline.h"
+#include "daemon/run_totals.h"
 #include "results/camera_file.h"
 
 namespace terrace {
@@ -24,15 +25,6 @@ class OutputError : public std::runtime_error {
 /// Makes `dir` ready to be written into: it must be empty or absent unless `overwrite`, which removes the
 /// results of an earlier run (and nothing else). Throws OutputError.
 void PrepareOutputFolder(const std::filesystem::path& dir, bool overwrite);
-
-/// What only the end of a run knows.
-struct RunTotals {
-  std::int64_t num_dropped = 0;
-  double wall_s = 0.0;
-  bool realtime = false;
-  Gravity gravity;
-  std::vector<StageCost> stages;
-};
 
 /// Writes the result files (results/) into a folder: lines as frames come, the rest at the end. Throws
 /// OutputError when the disk refuses.

@@ -22,8 +22,9 @@ class StatusReporter {
                  double deadline_ms);
 
   void AddFrameIn();
-  /// @param age_ms  from the images to their map being out
-  void AddResult(const FrameResult& result, double age_ms);
+  void AddPose(const PoseEstimate& pose);
+  /// A frame whose map is out.
+  void AddResult(const FrameResult& result);
 
   /// The status over the window since the last call, but for what only the input knows. Tracking trouble,
   /// when there is any, makes a running daemon a degraded one.
@@ -46,6 +47,7 @@ class StatusReporter {
   std::vector<double> ages_ms_;
   std::int64_t num_deadline_missed_ = 0;
   std::int64_t num_lost_ = 0;
+  PoseEstimate last_pose_;
   FrameResult last_;
 };
 

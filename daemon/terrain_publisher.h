@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <mutex>
@@ -29,7 +30,10 @@ class TerrainPublisher {
   TerrainPublisher(lcm::LCM* lcm, ChannelConfig channels, std::optional<Eigen::Isometry3d> T_body_left,
                    double snapshot_period_s);
 
-  void Publish(const PoseEstimate& pose, const TerrainMapPtr& map);
+  /// The pose of one frame; does not wait for terrain that is being sent.
+  void PublishPose(const PoseEstimate& pose);
+  /// The map as one frame left it.
+  void PublishTerrain(const TerrainMapPtr& map);
   /// Sends a subscriber what it lacks.
   void Answer(const terrain_repair_v1_t& repair);
   /// Sends what is due by the clock. To be called every 20 ms or so.
@@ -43,15 +47,16 @@ class TerrainPublisher {
   void Describe(Status* status) const;
 
  private:
-  void PublishPose(const PoseEstimate& pose);
   void Send(const std::vector<TerrainSender::Packet>& packets);
 
   lcm::LCM* const lcm_;
   const ChannelConfig channels_;
   const Eigen::Isometry3d T_body_left_;
+  std::mutex pose_mutex_;  // of the pose's channels
   mutable std::mutex mutex_;
   std::optional<Timestamp> t_pose_;
   TerrainSender sender_;
+  std::atomic<std::int64_t> map_id_{0};  // as it is sent
 };
 
 }  // namespace terrace

@@ -53,6 +53,8 @@ std::string StatsJson(const ReplayStats& stats) {
   const OrderedJson json = {{"frames", stats.frames},
                             {"tracked", stats.tracked},
                             {"dropped", stats.dropped},
+                            {"passed_over", stats.passed_over},
+                            {"lessons_skipped", stats.lessons_skipped},
                             {"rate_hz", stats.rate_hz},
                             {"peak_rss_mib", stats.peak_rss_mib},
                             {"map_bytes", stats.map_bytes},
@@ -73,6 +75,9 @@ ReplayStats ReadStatsFile(const std::filesystem::path& path) {
   stats.frames = json["frames"].Integer();
   stats.tracked = json["tracked"].Integer();
   stats.dropped = json["dropped"].Integer();
+  // Results of older versions have neither.
+  if (json.Has("passed_over")) stats.passed_over = json["passed_over"].Integer();
+  if (json.Has("lessons_skipped")) stats.lessons_skipped = json["lessons_skipped"].Integer();
   stats.rate_hz = json["rate_hz"].Number();
   stats.peak_rss_mib = json["peak_rss_mib"].Number();
   stats.map_bytes = json["map_bytes"].Integer();

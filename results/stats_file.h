@@ -34,6 +34,8 @@ struct ReplayStats {
   std::int64_t frames = 0;
   std::int64_t tracked = 0;
   std::int64_t dropped = 0;
+  std::int64_t passed_over = 0;      ///< frames with a pose that the map had no time for
+  std::int64_t lessons_skipped = 0;  ///< what later stages told earlier ones too late
   double rate_hz = 0.0;
   double peak_rss_mib = 0.0;
   std::int64_t map_bytes = 0;

@@ -92,7 +92,8 @@ TEST_F(ConfigTest, EveryKeyIsPrintedBelowItsDocumentation) {
   for (std::string line; std::getline(printed, line); before = line) {
     if (line.substr(0, 2) != "  " || line.substr(0, 4) == "  # ") continue;
     ++num_keys;
-    EXPECT_EQ(before.substr(0, 2), "  ") << "neither documented nor sharing its neighbour's documentation: " << line;
+    EXPECT_EQ(before.substr(0, 2), "  ")
+        << "neither documented nor sharing its neighbour's documentation: " << line;
   }
   EXPECT_GT(num_keys, 20);
 }

@@ -72,7 +72,8 @@ class TerrainPublisherTest : public testing::Test {
     pose.t_capture = map.t_capture;
     pose.status = status;
     pose.T_world_left = map.T_world_left;
-    publisher_.Publish(pose, std::make_shared<const TerrainMap>(map));
+    publisher_.PublishPose(pose);
+    publisher_.PublishTerrain(std::make_shared<const TerrainMap>(map));
     ear_.HandleAll();
   }
 

@@ -162,6 +162,8 @@ TEST_F(ResultFilesRoundTripTest, GivesBackTheFiguresOfARun) {
   stats.frames = 100;
   stats.tracked = 98;
   stats.dropped = 3;
+  stats.passed_over = 5;
+  stats.lessons_skipped = 2;
   stats.rate_hz = 31.25;
   stats.peak_rss_mib = 120.5;
   stats.map_bytes = 1000000;
@@ -174,6 +176,8 @@ TEST_F(ResultFilesRoundTripTest, GivesBackTheFiguresOfARun) {
   EXPECT_EQ(back.frames, 100);
   EXPECT_EQ(back.tracked, 98);
   EXPECT_EQ(back.dropped, 3);
+  EXPECT_EQ(back.passed_over, 5);
+  EXPECT_EQ(back.lessons_skipped, 2);
   EXPECT_EQ(back.rate_hz, 31.25);
   EXPECT_EQ(back.peak_rss_mib, 120.5);
   EXPECT_EQ(back.map_bytes, 1000000);
