@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/result_writer.h"
+#include "results/map_file.h"
 
 namespace terrace {
 namespace {

@@ -8,9 +8,9 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "core/file_bytes.h"
 #include "core/lens_models.h"
 #include "datasets/calibration_formats.h"
-#include "datasets/file_bytes.h"
 #include "datasets/folder_sequence.h"
 #include "datasets/ground_truth.h"
 #include "datasets/text_table.h"

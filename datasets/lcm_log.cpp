@@ -16,7 +16,7 @@
 #include <terrace/terrain_repair_v1_t.hpp>
 #include <terrace/terrain_v1_t.hpp>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/lcm_event_log.h"
 #include "datasets/text_table.h"
 #include "lcmtypes/calibration_codec.h"

@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 #include <yaml-cpp/yaml.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 
 // yaml-cpp's header is heavy: include this from .cpp files only.
 

@@ -15,9 +15,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/angles.h"
+#include "core/file_bytes.h"
 #include "core/lens.h"
 #include "datasets/calibration_file.h"
-#include "datasets/file_bytes.h"
 #include "datasets/rig_file.h"
 #include "datasets/sequence.h"
 #include "stereo/rectifier.h"

@@ -15,7 +15,7 @@
 
 #include "datasets/calibration_file.h"
 #include "datasets/sequence.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 #include "stereo/rectifier.h"
 #include "tools/commands.h"
 #include "tools/terrain_picture.h"

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "daemon/result_writer.h"
+#include "results/map_file.h"
 #include "test/daemon/tiny_world.h"
 
 namespace terrace {

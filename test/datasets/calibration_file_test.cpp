@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/file_bytes.h"
 #include "core/lens.h"
-#include "datasets/file_bytes.h"
 #include "datasets/rig_file.h"
 #include "datasets/sequence.h"
 #include "temporary_folder.h"

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/lcm_event_log.h"
 #include "datasets/lcm_log_writer.h"
 #include "lcmtypes/calibration_codec.h"
