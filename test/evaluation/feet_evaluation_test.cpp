@@ -75,8 +75,8 @@ TEST(FeetEvaluationTest, CountsFootholdsBeyondATrueEdgeAsUnsupported) {
 
 TEST(FeetEvaluationTest, TakesTheGroundBelowADropForNoReachPastIt) {
   TrueScene truth = Platform();
-  truth.polygons.push_back(Rectangle(2, "walkway", {1, 0, -0.051}, kX, kY, 25, 25));
-  EXPECT_NEAR(*Evaluate(MapOf(truth), truth).drop_over_p100_m, 0.0, kExact);
+  truth.polygons.push_back(Rectangle(2, "walkway", {1, 0, -0.051}, kAlongX, kAlongY, 25, 25));
+  EXPECT_NEAR(*EvaluateOn(MapOf(truth), truth).drop_over_p100_m, 0.0, kExact);
 }
 
 TEST(FeetEvaluationTest, CountsWhatAShortRegionDoesNotOffer) {
