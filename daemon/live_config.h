@@ -20,8 +20,9 @@ struct LiveConfig {
   double imu_gap_ms = 50.0;
   /// A time stamp this far ahead of the last one is believed only when the next one agrees.
   double max_time_jump_s = 10.0;
-  /// The whole map is sent again after this time, for subscribers that lost something.
-  double snapshot_period_s = 5.0;
+  /// The whole map is sent again after this time, for logs and subscribers that cannot ask for what they
+  /// lack.
+  double snapshot_period_s = 60.0;
   /// A map that is out later than this after its images were taken has missed its deadline, which is counted.
   double deadline_ms = 250.0;
   /// Folder into which the command SAVE_MAP may write; empty: into that of --output, if there is one.

@@ -270,6 +270,8 @@ void ResultWriter::Finish(const RunTotals& totals) {
       {"frames", num_frames_},
       {"tracked", num_tracking_ + num_bridging_},
       {"dropped", totals.num_dropped},
+      {"passed_over", totals.num_passed_over},
+      {"lessons_skipped", totals.num_lessons_skipped},
       {"rate_hz", totals.wall_s > 0 ? static_cast<double>(num_frames_) / totals.wall_s : 0.0},
       {"peak_rss_mib", PeakRssMib()},
       {"map_bytes", map_bytes_},

@@ -11,6 +11,7 @@
 
 #include "core/statistics.h"
 #include "daemon/pipeline.h"
+#include "daemon/run_totals.h"
 
 namespace terrace {
 
@@ -31,15 +32,6 @@ struct RigDescription {
   StereoCamera camera;
   Eigen::Matrix3d R_rect_raw = Eigen::Matrix3d::Identity();  ///< p_left = R_rect_raw * p_rawleft
   std::optional<Eigen::Isometry3d> T_body_left;
-};
-
-/// What only the end of a run knows.
-struct RunTotals {
-  std::int64_t num_dropped = 0;
-  double wall_s = 0.0;
-  bool realtime = false;
-  Gravity gravity;
-  std::vector<StageCost> stages;
 };
 
 /// Writes the result files of DESIGN.md into a folder: lines as frames come, the rest at the end. Throws
