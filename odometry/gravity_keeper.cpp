@@ -13,11 +13,6 @@ void GravityKeeper::Refine(const Eigen::Vector3d& down_world, double sigma_rad) 
   gravity_.sigma_rad = sigma_rad;
 }
 
-void GravityKeeper::RefuseImu() {
-  gravity_.source = mounting_.T_body_left ? GravitySource::kMounting : GravitySource::kAssumed;
-  gravity_.sigma_rad = std::max(gravity_.sigma_rad, 0.05);
-}
-
 void GravityKeeper::Take(const GravityHint& hint) {
   if (gravity_.source == GravitySource::kImu || gravity_.source == GravitySource::kAttitude) return;
   if (hint.sigma_rad >= gravity_.sigma_rad && gravity_.source != GravitySource::kAssumed) return;

@@ -25,13 +25,17 @@ class GravityKeeper {
   const Gravity& gravity() const { return gravity_; }
 
   /// A world has been laid.
-  void Start(const Gravity& gravity) { gravity_ = gravity; }
+  /// @param without_imu  what would be known without the IMU
+  void Start(const Gravity& gravity, const Gravity& without_imu) {
+    gravity_ = gravity;
+    without_imu_ = without_imu;
+  }
   /// From now on the window knows, by an IMU.
   void UseImu() { gravity_.source = GravitySource::kImu; }
   /// What the window has made of it.
   void Refine(const Eigen::Vector3d& down_world, double sigma_rad);
-  /// The IMU was wrong, and with it what it said about up.
-  void RefuseImu();
+  /// The IMU was wrong, and with it what it said about up: as if there had been none.
+  void RefuseImu() { gravity_ = without_imu_; }
   /// Floors and treads; an IMU or the robot's own attitude knows better.
   void Take(const GravityHint& hint);
   /// The robot's own attitude, at a tracked frame.
@@ -41,6 +45,7 @@ class GravityKeeper {
   OdometryConfig config_;
   Mounting mounting_;
   Gravity gravity_;
+  Gravity without_imu_;
 };
 
 }  // namespace terrace

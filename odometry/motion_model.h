@@ -71,6 +71,7 @@ class MotionModel {
   /// told.
   bool ImuContradicts(const PoseEstimate& pose, const Motion& predicted);
   void RefuseImu();
+  bool imu_refused() const { return imu_refused_; }
   const Eigen::Vector3d& imu_velocity_world() const { return imu_velocity_world_; }
 
  private:

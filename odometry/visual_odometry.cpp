@@ -12,6 +12,7 @@
 #include "odometry/covariance.h"
 #include "odometry/credible.h"
 #include "odometry/image_pyramid.h"
+#include "odometry/imu_check.h"
 #include "odometry/keyframe_archive.h"
 #include "odometry/keyframe_maker.h"
 #include "odometry/keyframe_policy.h"
@@ -69,7 +70,8 @@ class VisualOdometry::Impl {
     PoseEstimate pose = Tracked(frame, *found);
     if (expected.lost) motion_.Lose();
     motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_.gravity());
-    if (!expected.lost && motion_.ImuContradicts(pose, predicted)) RefuseImu();
+    if (!expected.lost && motion_.ImuContradicts(pose, predicted))
+      RefuseImu("the IMU turns otherwise than the images: check T_BS of the IMU, its units and its clock");
     if (!motion_.imu_in_use()) gravity_.FollowAttitude(samples, pose);
     if (const auto warning = vertical_.Update(found->matches, found->solution)) warnings_.push_back(*warning);
     CountFates(*found, window_);
@@ -126,7 +128,10 @@ class VisualOdometry::Impl {
                      const SensorSamples& samples, const KeyframeState& biases) {
     const WorldFrame world = LayWorldFrame(config_, mounting_, samples);
     if (!world.warning.empty() && warnings_.empty()) warnings_.push_back(world.warning);
-    gravity_.Start(world.gravity);
+    gravity_.Start(world.gravity, world.without_imu);
+    if (mounting_.T_left_imu)
+      imu_check_ = ImuCheck(-((world.T_world_left.linear() * mounting_.T_left_imu->linear()).transpose() *
+                              world.without_imu.down_world));
     PoseEstimate pose;
     pose.frame_id = frame.frame_id;
     pose.t_capture = frame.t_capture;
@@ -170,6 +175,8 @@ class VisualOdometry::Impl {
   }
 
   void Read(const SensorSamples& samples, Timestamp t_capture) {
+    if (config_.use_imu && mounting_.T_left_imu && !motion_.imu_refused())
+      if (const auto problem = imu_check_.Read(samples.imu, t_capture)) RefuseImu(*problem);
     motion_.Read(samples, last_, t_capture, window_.keyframes.back());
     if (motion_.imu_in_use() || !motion_.has_imu() || window_.keyframes.size() > 1) return;
     // The IMU came after the first image.
@@ -214,10 +221,9 @@ class VisualOdometry::Impl {
 
   bool Lost() const { return bridging_.bridged_s() > config_.max_bridging_s; }
 
-  void RefuseImu() {
+  void RefuseImu(const std::string& why) {
     motion_.RefuseImu();
-    warnings_.push_back(
-        "the IMU turns otherwise than the images: not used any more; check T_BS of the IMU and its clock");
+    warnings_.push_back(why + "; the IMU is not used any more");
     gravity_.RefuseImu();
     StartWindow(keyframe_covariance_);
   }
@@ -380,6 +386,7 @@ class VisualOdometry::Impl {
   KeyframeArchive archive_;
   GravityKeeper gravity_;
   VerticalMonitor vertical_;
+  ImuCheck imu_check_;
   Bridging bridging_;
 
   Window window_;

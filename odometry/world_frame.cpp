@@ -82,13 +82,18 @@ WorldFrame LayWorldFrame(const OdometryConfig& config, const Mounting& mounting,
           std::sqrt(std::max(prior.covariance(0, 0) + prior.covariance(1, 1), 1e-8) / 2.0);
     }
   }
+  world.without_imu = world.gravity;
+  const Eigen::Vector3d up_without_imu_left = up_left.normalized();
   if (config.use_imu && mounting.T_left_imu && !samples.imu.empty()) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const ImuSample& sample : samples.imu) sum += sample.accel;
     const Eigen::Vector3d mean = sum / static_cast<double>(samples.imu.size());
-    // At rest or walking, the mean is near gravity; in free fall or a crash it says nothing about up.
-    if (std::abs(mean.norm() - kGravity) < 0.5 * kGravity) {
-      up_left = mounting.T_left_imu->linear() * mean.normalized();
+    const Eigen::Vector3d mean_left = mounting.T_left_imu->linear() * mean.normalized();
+    // At rest or walking, the mean is near gravity; in free fall or a crash it says nothing about up. Nor
+    // does it when it points down.
+    constexpr double kOpposite = -0.5;  // cosine of 120 deg
+    if (std::abs(mean.norm() - kGravity) < 0.5 * kGravity && mean_left.dot(up_without_imu_left) > kOpposite) {
+      up_left = mean_left;
       world.gravity.source = GravitySource::kImu;
       world.gravity.sigma_rad = kAccelerationSigma / kGravity;
     }
@@ -104,6 +109,7 @@ WorldFrame LayWorldFrame(const OdometryConfig& config, const Mounting& mounting,
     world.T_world_left.linear() = LevelRotation(up_left, Eigen::Vector3d::UnitZ());
   }
   world.gravity.down_world = -Eigen::Vector3d::UnitZ();
+  world.without_imu.down_world = -(world.T_world_left.linear() * up_without_imu_left);
   return world;
 }
 

@@ -15,6 +15,7 @@ namespace terrace {
 struct WorldFrame {
   Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();  ///< of the first frame
   Gravity gravity;
+  Gravity without_imu;  ///< what would be known without it
   std::string warning;  ///< why a source was refused; empty: none was
 };
 

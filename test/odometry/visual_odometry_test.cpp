@@ -72,6 +72,31 @@ TEST(VisualOdometryTest, DoesWithoutAnImuThatTurnsOtherwiseThanTheImages) {
   EXPECT_NE(odometry.warnings()[0].find("IMU"), std::string::npos);
 }
 
+TEST(VisualOdometryTest, KnowsUpByItsMountingWhenTheImuMeasuresNonsense) {
+  for (const double factor : {1.0 / 9.81, -1.0, 0.0}) {
+    Mounting mounting = WithImu();
+    mounting.T_body_left = WithBody().T_body_left;
+    VisualOdometry odometry({}, kCamera, mounting);
+    StereoFrame frame = World().Frame(0, Walk(0));  // stands still
+    for (int i = 0; i < 10; ++i) {
+      SensorSamples samples = ImuUpTo(i);
+      for (ImuSample& sample : samples.imu) {
+        sample.gyro.setZero();
+        sample.accel = -factor * kGravityMagnitude * Eigen::Vector3d::UnitY();
+      }
+      frame.frame_id = i;
+      frame.t_capture = Timestamp{1'000'000'000 + i * kFrame_ns};
+      const PoseEstimate pose = odometry.Track(frame, samples);
+      EXPECT_EQ(pose.status, TrackingStatus::kTracking) << "factor " << factor << ", frame " << i;
+    }
+    EXPECT_EQ(odometry.gravity().source, GravitySource::kMounting) << "factor " << factor;
+    EXPECT_LT(std::acos(odometry.gravity().down_world.dot(-Eigen::Vector3d::UnitZ())), 0.04)
+        << "factor " << factor;
+    ASSERT_EQ(odometry.warnings().size(), 1u);
+    EXPECT_NE(odometry.warnings()[0].find("IMU"), std::string::npos) << odometry.warnings()[0];
+  }
+}
+
 TEST(VisualOdometryTest, TakesUpFromTheBodysAttitudeUnlessToldNotTo) {
   for (const bool use_priors : {true, false}) {
     OdometryConfig config;

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/gravity_keeper.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace terrace {
+namespace {
+
+/// A body in the camera's place and axes, so that one rotation is another.
+Mounting CameraIsBody() {
+  Mounting mounting;
+  mounting.T_body_left = Eigen::Isometry3d::Identity();
+  return mounting;
+}
+
+Gravity Down(const Eigen::Vector3d& down, double sigma_rad, GravitySource source) {
+  return {down.normalized(), sigma_rad, source};
+}
+
+SensorSamples AttitudeLeaning(double roll_rad) {
+  BodyPrior prior;
+  prior.kind = PriorKind::kAttitude;
+  prior.T_odom_body.linear() = Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  prior.covariance.diagonal().setConstant(0.01 * 0.01);
+  SensorSamples samples;
+  samples.priors.push_back(prior);
+  return samples;
+}
+
+TEST(GravityKeeperTest, FallsBackToWhatWasKnownWithoutAnImuThatIsRefused) {
+  GravityKeeper keeper({}, CameraIsBody());
+  const Gravity mounting = Down(-Eigen::Vector3d::UnitZ(), 0.035, GravitySource::kMounting);
+  keeper.Start(Down({0.2, 0.0, -1.0}, 0.05, GravitySource::kImu), mounting);
+  keeper.Refine(Eigen::Vector3d::UnitZ(), 0.001);
+  keeper.RefuseImu();
+  EXPECT_EQ(keeper.gravity().source, GravitySource::kMounting);
+  EXPECT_TRUE(keeper.gravity().down_world.isApprox(mounting.down_world));
+  EXPECT_EQ(keeper.gravity().sigma_rad, mounting.sigma_rad);
+}
+
+TEST(GravityKeeperTest, TakesPlanesOnlyWhereTheyKnowBetter) {
+  GravityKeeper keeper({}, CameraIsBody());
+  const Gravity mounting = Down(-Eigen::Vector3d::UnitZ(), 0.035, GravitySource::kMounting);
+  keeper.Start(mounting, mounting);
+  GravityHint vague;
+  vague.down_world = Eigen::Vector3d(0.1, 0.0, -1.0).normalized();
+  vague.sigma_rad = 0.04;
+  keeper.Take(vague);
+  EXPECT_EQ(keeper.gravity().source, GravitySource::kMounting);
+  GravityHint sharp = vague;
+  sharp.sigma_rad = 0.01;
+  keeper.Take(sharp);
+  EXPECT_EQ(keeper.gravity().source, GravitySource::kPlane);
+  keeper.UseImu();
+  sharp.down_world = -Eigen::Vector3d::UnitZ();
+  sharp.sigma_rad = 0.001;
+  keeper.Take(sharp);
+  EXPECT_TRUE(keeper.gravity().down_world.isApprox(vague.down_world)) << "an IMU knows better";
+}
+
+TEST(GravityKeeperTest, AveragesTheAttitudeOfALeaningBody) {
+  GravityKeeper keeper({}, CameraIsBody());
+  const Gravity mounting = Down(-Eigen::Vector3d::UnitZ(), 0.035, GravitySource::kMounting);
+  keeper.Start(mounting, mounting);
+  const PoseEstimate pose;
+  for (int i = 0; i < 50; ++i) keeper.FollowAttitude(AttitudeLeaning(i % 2 ? 0.21 : 0.19), pose);
+  EXPECT_EQ(keeper.gravity().source, GravitySource::kAttitude);
+  const Eigen::Vector3d truth(0.0, -std::sin(0.2), -std::cos(0.2));
+  EXPECT_LT(std::acos(keeper.gravity().down_world.dot(truth)), 0.004);
+  EXPECT_LT(keeper.gravity().sigma_rad, 0.01);
+}
+
+}  // namespace
+}  // namespace terrace
