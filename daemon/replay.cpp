@@ -12,6 +12,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
+#include <terrace/terrain_repair_v1_t.hpp>
 
 #include "daemon/interrupt.h"
 #include "daemon/mapper_run.h"

@@ -32,6 +32,12 @@ TerrainPublisher::TerrainPublisher(lcm::LCM* lcm, ChannelConfig channels,
       sender_(T_body_left_, std::chrono::nanoseconds(static_cast<std::int64_t>(snapshot_period_s * 1e9)),
               MicrosecondsNow()) {}
 
+void TerrainPublisher::PublishTerrain(const TerrainMapPtr& map) {
+  const std::lock_guard lock(mutex_);
+  Send(sender_.Update(map, Now()));
+  map_id_ = sender_.map_id();
+}
+
 void TerrainPublisher::PublishPose(const PoseEstimate& pose) {
   const std::lock_guard lock(pose_mutex_);
   const update_t motion = ToUpdateMessage(pose, t_pose_);
@@ -43,12 +49,6 @@ void TerrainPublisher::PublishPose(const PoseEstimate& pose) {
     lcm_->publish(channels_.pose, &body);
   }
   t_pose_ = pose.t_capture;
-}
-
-void TerrainPublisher::PublishTerrain(const TerrainMapPtr& map) {
-  const std::lock_guard lock(mutex_);
-  Send(sender_.Update(map, Now()));
-  map_id_ = sender_.map_id();
 }
 
 void TerrainPublisher::Answer(const terrain_repair_v1_t& repair) {

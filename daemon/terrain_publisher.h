@@ -52,11 +52,11 @@ class TerrainPublisher {
   lcm::LCM* const lcm_;
   const ChannelConfig channels_;
   const Eigen::Isometry3d T_body_left_;
-  std::mutex pose_mutex_;  // of the pose's channels
-  mutable std::mutex mutex_;
+  std::mutex pose_mutex_;  // of what only poses use
   std::optional<Timestamp> t_pose_;
+  std::atomic<std::int64_t> map_id_{0};  // that is out
+  mutable std::mutex mutex_;             // of the rest
   TerrainSender sender_;
-  std::atomic<std::int64_t> map_id_{0};  // as it is sent
 };
 
 }  // namespace terrace
