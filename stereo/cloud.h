@@ -30,7 +30,7 @@ struct Cloud {
   std::vector<CloudPoint> uncertain;
 };
 
-/// Settings of the triangulation. YAML section: `cloud`.
+/// Settings of the triangulation. YAML section: `mapping`.
 struct CloudConfig {
   /// Points whose depth is less certain than this are not mapped; they only tell that the way to them is
   /// free.
