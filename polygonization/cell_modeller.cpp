@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -214,6 +215,7 @@ class CellFit {
     Eigen::Matrix<float, 3, 2> basis;
     basis << axes.x.cast<float>(), axes.y.cast<float>();
     double information = 0.0, noise2 = 0.0;
+    Eigen::Vector3f low = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
     for (const int i : inliers) {
       const Surfel& s = surfels_[i];
       const float facing = Facing(s, plane);
@@ -221,11 +223,16 @@ class CellFit {
       const double noise = static_cast<double>(s.sigma_view_m * facing);
       information += weight;
       noise2 += weight * noise * noise;
-      patch.footprints.push_back(FootprintOf(s, plane, basis));
-      patch.area_m2 += static_cast<double>(4.0F * patch.footprints.back().half_x.norm() *
-                                           patch.footprints.back().half_y.norm());
+      const Footprint footprint = FootprintOf(s, plane, basis);
+      patch.area_m2 += static_cast<double>(4.0F * footprint.half_x.norm() * footprint.half_y.norm());
+      const Eigen::Vector3f extent = footprint.half_x.cwiseAbs() + footprint.half_y.cwiseAbs();
+      low = low.cwiseMin(footprint.centre - extent);
+      high = high.cwiseMax(footprint.centre + extent);
+      patch.footprints.push_back(footprint);
       patch.num_frames += static_cast<double>(s.num_frames);
     }
+    patch.low = low;
+    patch.high = high;
     patch.num_frames /= static_cast<double>(inliers.size());
     patch.noise_m = std::sqrt(noise2 / information);
     return patch;

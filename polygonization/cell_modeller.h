@@ -33,7 +33,7 @@ struct ModellingConfig {
   std::vector<std::string> Problems() const;
 };
 
-/// What one leaf contributes to the outline: a rectangle in the plane of its patch.
+/// What one leaf covers: a rectangle in the plane of its patch.
 struct Footprint {
   Eigen::Vector3f centre;  ///< relative to the centre of the cell [m]
   Eigen::Vector3f half_x;  ///< from the centre to the middle of one edge
@@ -42,9 +42,11 @@ struct Footprint {
 
 /// One planar piece inside one cell.
 struct Patch {
-  Plane plane_world;        ///< the normal points to the side that was seen
-  PlaneMoments moments;     ///< relative to the centre of the cell
-  double area_m2 = 0.0;     ///< sum of the footprints
+  Plane plane_world;     ///< the normal points to the side that was seen
+  PlaneMoments moments;  ///< relative to the centre of the cell
+  double area_m2 = 0.0;  ///< of the rectangles that its leaves cover
+  /// Box around these rectangles, relative to the centre of the cell [m].
+  Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();
   double num_frames = 0.0;  ///< mean over its leaves
   double noise_m = 0.0;     ///< of single points, along the normal; the best leaves count most
   std::vector<Footprint> footprints;

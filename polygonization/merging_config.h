@@ -16,13 +16,13 @@ struct MergingConfig {
   double max_gap_m = 0.06;
   /// Narrower tongues of an outline are cut off.
   double min_width_m = 0.025;
-  /// Polygons and holes smaller than this are not published; nor are polygons smaller than the square of six
-  /// times their noise.
+  /// Polygons smaller than this are not published, nor holes that nothing was seen through; nor are polygons
+  /// smaller than the square of six times their noise.
   double min_area_m2 = 0.015;
-  /// Pixel of the bitmap from which outlines are traced.
+  /// Edge of the cells in which the evidence of pixels for a surface is kept, and outlines are traced.
   double outline_resolution_m = 0.01;
   /// How far a simplified edge of an outline may leave the traced one.
-  double simplify_m = 0.008;
+  double simplify_m = 0.015;
   /// Vertices of one polygon, so that it fits a message; a more ragged one is simplified further, as far as
   /// its rings allow without touching.
   int max_vertices = 2000;

@@ -9,12 +9,11 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "polygonization/ring_simplifier.h"
-
 namespace terrace {
 namespace {
 
-constexpr double kMaxPixels = 4e6;
+/// A hole is real where so many of its pixels were seen through.
+constexpr int kRealHole_px = 6;
 
 int RadiusPx(double width_m, double pixel_m) { return static_cast<int>(std::floor(0.5 * width_m / pixel_m)); }
 
@@ -56,50 +55,14 @@ void FillDiagonals(cv::Mat1b* image) {
 
 }  // namespace
 
-OutlineTracer::OutlineTracer(const OutlineSettings& settings, const Eigen::Vector2d& low,
-                             const Eigen::Vector2d& high)
-    : settings_(settings), pixel_m_(settings.resolution_m) {
-  const Eigen::Vector2d size = high - low;
-  while ((size.x() / pixel_m_ + 1.0) * (size.y() / pixel_m_ + 1.0) > kMaxPixels) pixel_m_ *= 2.0;
-  // A margin, so that closing never meets the border. Pixels lie on a grid fixed in the plane: an outline
-  // does not shiver when the plane's extent grows.
-  const int margin = RadiusPx(settings.max_gap_m, pixel_m_) + 2;
-  low_ = pixel_m_ * ((low / pixel_m_).array().floor() - margin).matrix();
-  const Eigen::Vector2d num = ((high - low_) / pixel_m_).array().ceil() + margin;
-  filled_ = cv::Mat1b::zeros(static_cast<int>(num.y()), static_cast<int>(num.x()));
-}
-
-void OutlineTracer::Fill(const Eigen::Vector2d& centre, const Eigen::Vector2d& half_x,
-                         const Eigen::Vector2d& half_y) {
-  const Eigen::Vector2d c = (centre - low_) / pixel_m_ - Eigen::Vector2d::Constant(0.5);  // in pixel centres
-  const Eigen::Vector2d hx = half_x / pixel_m_, hy = half_y / pixel_m_;
-  const double ex = std::abs(hx.x()) + std::abs(hy.x()), ey = std::abs(hx.y()) + std::abs(hy.y());
-  const int y0 = std::max(0, static_cast<int>(std::ceil(c.y() - ey)));
-  const int y1 = std::min(filled_.rows - 1, static_cast<int>(std::floor(c.y() + ey)));
-  for (int y = y0; y <= y1; ++y) {
-    // The rectangle is where |d . h| <= |h|^2 for both half axes h: of each row an interval.
-    double low = c.x() - ex, high = c.x() + ex;
-    for (const Eigen::Vector2d& h : {hx, hy}) {
-      const double limit = std::max(h.squaredNorm(), 1e-12), across = h.y() * (y - c.y());
-      if (std::abs(h.x()) < 1e-9) {
-        if (std::abs(across) > limit) high = low - 1.0;
-        continue;
-      }
-      const double middle = c.x() - across / h.x(), reach = limit / std::abs(h.x());
-      low = std::max(low, middle - reach);
-      high = std::min(high, middle + reach);
-    }
-    const int x0 = std::max(0, static_cast<int>(std::ceil(low)));
-    const int x1 = std::min(filled_.cols - 1, static_cast<int>(std::floor(high)));
-    if (x0 <= x1) std::fill_n(filled_.ptr(y) + x0, x1 - x0 + 1, std::uint8_t{255});
+cv::Mat1b OutlineTracer::Tidy() const {
+  cv::Mat1b closed = bitmap_.on.clone();
+  const int close_px = RadiusPx(settings_.max_gap_m, bitmap_.pixel_m);
+  const int open_px = RadiusPx(settings_.min_width_m, bitmap_.pixel_m);
+  if (close_px > 0) {
+    cv::morphologyEx(closed, closed, cv::MORPH_CLOSE, Disk(close_px));
+    closed.setTo(0, bitmap_.barred);
   }
-}
-
-std::vector<TracedPiece> OutlineTracer::Trace() {
-  cv::Mat1b closed = filled_.clone();
-  const int close_px = RadiusPx(settings_.max_gap_m, pixel_m_);
-  const int open_px = RadiusPx(settings_.min_width_m, pixel_m_);
-  if (close_px > 0) cv::morphologyEx(closed, closed, cv::MORPH_CLOSE, Disk(close_px));
   if (open_px > 0) {
     // Opening rounds corners; growing back inside the old shape restores them and leaves the tongues away.
     cv::Mat1b opened;
@@ -108,35 +71,46 @@ std::vector<TracedPiece> OutlineTracer::Trace() {
     closed &= opened;
   }
   FillDiagonals(&closed);
-  pieces_ = BitmapPieces(closed);
-  traced_index_.assign(pieces_.pieces().size(), -1);
-  const std::vector<int> num_filled = pieces_.CountSet(filled_);
+  return closed;
+}
+
+/// Whether a small hole is a gap in the data: hardly any of it was seen through.
+bool OutlineTracer::IsGap(const Ring2& hole, const std::vector<cv::Point>& corners) const {
+  if (-SignedArea(hole) >= settings_.min_area_m2) return false;
+  const cv::Rect box = cv::boundingRect(corners) & cv::Rect(0, 0, bitmap_.barred.cols, bitmap_.barred.rows);
+  return cv::countNonZero(bitmap_.barred(box)) < kRealHole_px;
+}
+
+std::vector<TracedPiece> OutlineTracer::Trace(const std::vector<EdgeLine>& lines) {
   std::vector<TracedPiece> traced_pieces;
-  const double pixel_area = pixel_m_ * pixel_m_;
+  if (bitmap_.on.empty()) return traced_pieces;
+  const double pixel_m = bitmap_.pixel_m;
+  pieces_ = BitmapPieces(Tidy());
+  traced_index_.assign(pieces_.pieces().size(), -1);
+  const std::vector<int> num_seen = pieces_.CountSet(bitmap_.on);
   for (std::size_t i = 0; i < pieces_.pieces().size(); ++i) {
     const BitmapPieces::Piece& piece = pieces_.pieces()[i];
-    if (piece.num_pixels * pixel_area < settings_.min_area_m2) continue;
+    if (piece.num_pixels * pixel_m * pixel_m < settings_.min_area_m2) continue;
     std::vector<Ring2> traced;
     for (const std::vector<cv::Point>& corners : pieces_.TraceRings(static_cast<int>(i))) {
       Ring2 ring;
       for (const cv::Point& corner : corners)
-        ring.push_back(low_ + pixel_m_ * Eigen::Vector2d(corner.x, corner.y));
-      // Small holes are gaps in the data.
-      if (SignedArea(ring) < 0.0 && -SignedArea(ring) < settings_.min_area_m2) continue;
+        ring.push_back(bitmap_.low + pixel_m * Eigen::Vector2d(corner.x, corner.y));
+      if (SignedArea(ring) < 0.0 && IsGap(ring, corners)) continue;
       traced.push_back(std::move(ring));
     }
-    std::vector<Ring2> rings = SimplifyRings(traced, settings_.simplify_m * pixel_m_ / settings_.resolution_m,
-                                             settings_.max_vertices);
+    const SimplifySettings simplify{std::max(settings_.simplify_m, 1.1 * pixel_m), settings_.max_vertices,
+                                    1.2 * pixel_m};
     TracedPiece result;
-    for (Ring2& ring : rings) {
+    for (Ring2& ring : SimplifyRings(traced, simplify, lines)) {
       result.area_m2 += SignedArea(ring);
       if (SignedArea(ring) > 0.0)
         result.outline = std::move(ring);
       else
         result.holes.push_back(std::move(ring));
     }
-    result.centroid = low_ + pixel_m_ * (piece.centroid + Eigen::Vector2d::Constant(0.5));
-    result.support = std::min(1.0, double(num_filled[i]) / piece.num_pixels);
+    result.centroid = bitmap_.low + pixel_m * (piece.centroid + Eigen::Vector2d::Constant(0.5));
+    result.support = std::min(1.0, double(num_seen[i]) / piece.num_pixels);
     traced_index_[i] = static_cast<int>(traced_pieces.size());
     traced_pieces.push_back(std::move(result));
   }
@@ -144,9 +118,9 @@ std::vector<TracedPiece> OutlineTracer::Trace() {
 }
 
 int OutlineTracer::PieceAt(const Eigen::Vector2d& p) const {
-  const Eigen::Vector2d at = (p - low_) / pixel_m_;
-  const int piece =
-      pieces_.PieceAt(static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y())));
+  if (bitmap_.on.empty()) return -1;
+  const cv::Point pixel = bitmap_.PixelAt(p);
+  const int piece = pieces_.PieceAt(pixel.x, pixel.y);
   return piece < 0 ? -1 : traced_index_[piece];
 }
 

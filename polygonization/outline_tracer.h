@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
 #include "polygonization/bitmap_pieces.h"
+#include "polygonization/plane_bitmap.h"
 #include "polygonization/plane_rings.h"
+#include "polygonization/ring_simplifier.h"
 
 namespace terrace {
 
@@ -17,40 +20,38 @@ struct TracedPiece {
   std::vector<Ring2> holes;  ///< clockwise, simple, inside the outline
   double area_m2 = 0.0;      ///< outline less holes
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
-  double support = 0.0;  ///< share of the area that footprints cover
+  double support = 0.0;  ///< share of the area that was seen
 };
 
-/// How footprints become shapes.
+/// How pixels of a plane become pieces.
 struct OutlineSettings {
-  double resolution_m = 0.01;
   double max_gap_m = 0.06;     ///< narrower gaps and holes are closed
   double min_width_m = 0.025;  ///< narrower tongues are cut off
-  double min_area_m2 = 0.01;   ///< smaller pieces and holes are dropped
-  double simplify_m = 0.008;   ///< how far a simplified edge may leave the traced one
-  int max_vertices = 2000;     ///< of one shape; ragged ones are simplified further, as far as they allow
+  double min_area_m2 = 0.01;   ///< smaller pieces are dropped, and holes that nothing was seen through
+  double simplify_m = 0.015;   ///< how far a simplified edge may leave the traced one
+  int max_vertices = 2000;     ///< of one piece; ragged ones are simplified further, as far as they allow
 };
 
-/// Draws rectangles of one plane into a bitmap, and traces what they cover.
+/// Traces what is on a surface.
 class OutlineTracer {
  public:
-  /// The bitmap covers [low, high]; its pixels grow when it would hold more than a few million.
-  OutlineTracer(const OutlineSettings& settings, const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+  OutlineTracer(const OutlineSettings& settings, PlaneBitmap bitmap)
+      : settings_(settings), bitmap_(std::move(bitmap)) {}
 
-  /// A rectangle, by its centre and the vectors to the middles of two edges.
-  void Fill(const Eigen::Vector2d& centre, const Eigen::Vector2d& half_x, const Eigen::Vector2d& half_y);
-
-  /// What is filled so far, in pieces that hang together, in a fixed order.
-  std::vector<TracedPiece> Trace();
+  /// The pieces that hang together, in a fixed order. Edges that run along one of the lines lie on it.
+  std::vector<TracedPiece> Trace(const std::vector<EdgeLine>& lines = {});
   /// After Trace: index of the piece at a point, -1 where there is none.
   int PieceAt(const Eigen::Vector2d& p) const;
 
  private:
+  /// Gaps closed and tongues cut off.
+  cv::Mat1b Tidy() const;
+  bool IsGap(const Ring2& hole, const std::vector<cv::Point>& corners) const;
+
   OutlineSettings settings_;
-  Eigen::Vector2d low_;  // outer corner of pixel (0, 0)
-  double pixel_m_;
-  cv::Mat1b filled_;
+  PlaneBitmap bitmap_;
   BitmapPieces pieces_;            // after Trace
-  std::vector<int> traced_index_;  // -1: too small to be one
+  std::vector<int> traced_index_;  // of each piece; -1: too small to be one
 };
 
 }  // namespace terrace

@@ -6,7 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "core/check.h"
+#include "polygonization/evidence_look.h"
 #include "polygonization/polygon_revision.h"
 #include "polygonization/shadows.h"
 #include "polygonization/surface_grower.h"
@@ -18,8 +21,11 @@ namespace {
 
 /// A surface is traced after one frame more for every so many cells of it, but at the latest after so many
 /// frames: tracing costs as much as the surface is large, while its plane follows every frame.
-constexpr FrameId kCellsPerFrame = 12;
+constexpr FrameId kCellsPerFrame = 8;
 constexpr FrameId kMostPatience = 10;
+/// So many cells of evidence that came or went are worth tracing a surface anew; more where it is large.
+constexpr int kFlippedCells = 24;
+constexpr int kFlippedPerCell = 8;
 
 bool MayWait(const Surface& surface, FrameId frame_id) {
   if (surface.trace_now || surface.cells.empty()) return false;
@@ -28,19 +34,34 @@ bool MayWait(const Surface& surface, FrameId frame_id) {
   return frame_id - surface.traced_frame < patience;
 }
 
+/// Whether a frame saw the surface on it in the box around a piece.
+bool ShowsIn(const TracedPiece& piece, const EvidenceGrid& evidence, FrameId frame_id) {
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& p : piece.outline) box.extend(p);
+  return std::any_of(evidence.blocks().begin(), evidence.blocks().end(), [&](const auto& item) {
+    if (item.second.on_frame != frame_id) return false;
+    const Eigen::Vector2d corner = evidence.block_m() * Eigen::Vector2d(item.first.first, item.first.second);
+    const Eigen::Vector2d far_corner = corner + Eigen::Vector2d::Constant(evidence.block_m());
+    return box.intersects(Eigen::AlignedBox2d(corner, far_corner));
+  });
+}
+
 }  // namespace
 
 class PolygonMerger::Impl {
  public:
-  explicit Impl(const MergingConfig& config) : config_(config), grower_(config_, &store_) {}
+  explicit Impl(const MergingConfig& config)
+      : config_(config), store_(config.outline_resolution_m), grower_(config_, &store_) {}
 
-  PolygonUpdate Merge(const PatchUpdate& patches) {
+  PolygonUpdate Merge(const PatchUpdate& patches, const FrameView& view) {
     PolygonUpdate update;
     update.frame_id = patches.frame_id;
     update.t_capture = patches.t_capture;
     store_.touched().clear();
     grower_.Grow(patches);
+    Look(view);
     Publish(&update);
+    SeeAgain(&update);
     for (const auto& [id, entry] : polygons_) update.polygons.push_back(entry.polygon);
     return update;
   }
@@ -49,6 +70,20 @@ class PolygonMerger::Impl {
   std::int64_t memory_bytes() const { return store_.memory_bytes() + polygons_.memory_bytes(); }
 
  private:
+  /// Every surface in view gathers evidence; where much has changed it is traced anew.
+  void Look(const FrameView& view) {
+    in_view_.clear();
+    const EvidenceLook look(view);
+    for (auto& [id, surface] : store_.surfaces()) {
+      const LookResult found =
+          look.At(surface.plane_world, surface.Frame(), surface.noise_m, &surface.evidence);
+      surface.num_flipped += found.num_flipped;
+      if (surface.num_flipped >= kFlippedCells + kFlippedPerCell * static_cast<int>(surface.cells.size()))
+        store_.touched().insert(id);
+      if (found.num_on > 0) in_view_.push_back(id);
+    }
+  }
+
   void Publish(PolygonUpdate* update) {
     std::vector<SurfacePiece> pieces;
     std::set<PolygonId> free_ids;
@@ -69,10 +104,14 @@ class PolygonMerger::Impl {
       surface.pieces.clear();
       surface.trace_now = false;
       surface.traced_frame = update->frame_id;
+      surface.num_flipped = 0;
       if (surface.cells.empty())
         store_.surfaces().erase(found);
-      else if (!IsShadow(id, store_))
-        CutPieces(id, store_, config_, &pieces);
+      else if (!IsShadow(id, store_)) {
+        const Neighbours neighbours = store_.NeighboursOf(id);
+        store_.Reopen(id);
+        CutPieces(id, neighbours, store_, config_, &pieces);
+      }
     }
     PublishPieces(std::move(pieces), std::move(free_ids), update);
   }
@@ -91,19 +130,36 @@ class PolygonMerger::Impl {
       polygons_.Erase(id);
       update->removed.push_back(id);
     }
-    for (std::vector<PolygonId>* ids : {&update->added, &update->revised, &update->seen})
+    for (std::vector<PolygonId>* ids : {&update->added, &update->revised})
       std::sort(ids->begin(), ids->end());
+  }
+
+  /// Polygons that this frame showed, and that did not change by it.
+  void SeeAgain(PolygonUpdate* update) {
+    const auto is_new = [&](PolygonId id) {
+      return std::binary_search(update->added.begin(), update->added.end(), id) ||
+             std::binary_search(update->revised.begin(), update->revised.end(), id);
+    };
+    for (const SurfaceId id : in_view_) {
+      const auto found = store_.surfaces().find(id);
+      if (found == store_.surfaces().end()) continue;
+      const Surface& surface = found->second;
+      for (std::size_t i = 0; i < surface.pieces.size(); ++i) {
+        if (is_new(surface.polygons[i])) continue;
+        if (surface.pieces.size() > 1 && !ShowsIn(surface.pieces[i], surface.evidence, update->frame_id))
+          continue;
+        polygons_.Seen(surface.polygons[i], update->t_capture);
+        update->seen.push_back(surface.polygons[i]);
+      }
+    }
+    std::sort(update->seen.begin(), update->seen.end());
   }
 
   /// A new polygon, or a new revision where it changed enough.
   void Revise(PolygonId id, const Surface& surface, const TracedPiece& piece, PolygonUpdate* update) {
     Polygon polygon = MakePolygon(id, surface, piece, update->t_capture);
     if (const PolygonMap::Entry* before = polygons_.FindEntry(id)) {
-      if (!HasChanged(*before->polygon, polygon, config_.min_change_m)) {
-        polygons_.Seen(id, update->t_capture);
-        update->seen.push_back(id);
-        return;
-      }
+      if (!HasChanged(*before->polygon, polygon, config_.min_change_m)) return;
       polygon.revision = before->polygon->revision + 1;
       polygon.num_observations = before->polygon->num_observations + 1;
       polygon.first_seen = before->polygon->first_seen;
@@ -119,7 +175,8 @@ class PolygonMerger::Impl {
   SurfaceGrower grower_;
   PolygonMap polygons_;
   PolygonId next_polygon_ = 1;
-  std::set<SurfaceId> late_;  // surfaces whose outlines wait to be traced
+  std::vector<SurfaceId> in_view_;  // of the frame at hand
+  std::set<SurfaceId> late_;        // surfaces whose outlines wait to be traced
 };
 
 PolygonMerger::PolygonMerger(const MergingConfig& config) {
@@ -128,7 +185,9 @@ PolygonMerger::PolygonMerger(const MergingConfig& config) {
 }
 PolygonMerger::~PolygonMerger() = default;
 
-PolygonUpdate PolygonMerger::Merge(const PatchUpdate& patches) { return impl_->Merge(patches); }
+PolygonUpdate PolygonMerger::Merge(const PatchUpdate& patches, const FrameView& view) {
+  return impl_->Merge(patches, view);
+}
 const PolygonMap& PolygonMerger::polygons() const { return impl_->polygons(); }
 std::int64_t PolygonMerger::memory_bytes() const { return impl_->memory_bytes(); }
 

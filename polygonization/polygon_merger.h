@@ -5,19 +5,22 @@
 #include <memory>
 
 #include "polygonization/cell_modeller.h"
+#include "polygonization/evidence_look.h"
 #include "polygonization/merging_config.h"
 #include "polygonization/polygon.h"
 #include "polygonization/polygon_map.h"
 
 namespace terrace {
 
-/// Keeps the global polygon map: joins patches of neighbouring cells, touches only what changed.
+/// Keeps the global polygon map: patches of neighbouring cells tell which planes there are, the pixels of
+/// each frame where they end. Touches only what changed.
 class PolygonMerger {
  public:
   explicit PolygonMerger(const MergingConfig& config);
   ~PolygonMerger();
 
-  PolygonUpdate Merge(const PatchUpdate& patches);
+  /// @param view  the frame that the patches were last added to
+  PolygonUpdate Merge(const PatchUpdate& patches, const FrameView& view);
 
   /// The whole map as it is after the last Merge().
   const PolygonMap& polygons() const;

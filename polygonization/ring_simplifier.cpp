@@ -76,8 +76,14 @@ Line2 FitLine(const Ring2& ring, int first, int last) {
 /// fitted to what they replace. Where that makes edges touch, Refine() brings traced vertices back.
 class SimplifiedRing {
  public:
-  SimplifiedRing(const Ring2& traced, double tolerance)
-      : traced_(&traced), tolerance_(tolerance), keep_(traced.size(), false), pinned_(traced.size(), false) {
+  SimplifiedRing(const Ring2& traced, double tolerance, double line_reach_m,
+                 const std::vector<EdgeLine>& lines)
+      : traced_(&traced),
+        tolerance_(tolerance),
+        line_reach_m_(line_reach_m),
+        edge_lines_(lines),
+        keep_(traced.size(), false),
+        pinned_(traced.size(), false) {
     const int n = static_cast<int>(traced.size());
     // The chain is cut at two vertices far apart, which no simplification would drop.
     int a = 0;
@@ -122,34 +128,68 @@ class SimplifiedRing {
     if (m < 3) return;
     // A traced edge runs along pixels; the line fitted to it is finer than they are.
     std::vector<Line2> lines;
-    for (int i = 0; i < m; ++i)
-      lines.push_back(FitLine(traced, kept_[i], i + 1 < m ? kept_[i + 1] : kept_[0] + n));
+    std::vector<bool> given;
     for (int i = 0; i < m; ++i) {
-      const Line2& before = lines[(i + m - 1) % m];
-      const Line2& after = lines[i];
-      Eigen::Vector2d vertex = traced[kept_[i]];
-      const double sine = Cross(before.direction, after.direction);
-      if (!pinned_[kept_[i]] && std::abs(sine) > 0.2) {
-        const double t = Cross(after.point - before.point, after.direction) / sine;
-        const Eigen::Vector2d meeting = before.point + t * before.direction;
-        if ((meeting - vertex).norm() < 2.0 * tolerance_) vertex = meeting;
-      }
-      ring_.push_back(vertex);
+      const int first = kept_[i], last = i + 1 < m ? kept_[i + 1] : kept_[0] + n;
+      const EdgeLine* line = LineAlong(traced[first], traced[last % n]);
+      given.push_back(line != nullptr);
+      lines.push_back(line ? Line2{line->point, line->along} : FitLine(traced, first, last));
+    }
+    for (int i = 0; i < m; ++i) {
+      const int previous = (i + m - 1) % m;
+      ring_.push_back(pinned_[kept_[i]]
+                          ? traced[kept_[i]]
+                          : Corner(traced[kept_[i]], lines[previous], given[previous], lines[i], given[i]));
     }
   }
 
  private:
+  /// The line that an edge lies on; null when there is none.
+  const EdgeLine* LineAlong(const Eigen::Vector2d& a, const Eigen::Vector2d& b) const {
+    const double length = (b - a).norm();
+    if (length < 2.0 * line_reach_m_) return nullptr;
+    const EdgeLine* best = nullptr;
+    double least = line_reach_m_;
+    for (const EdgeLine& line : edge_lines_) {
+      const double middle = line.along.dot(0.5 * (a + b) - line.point);
+      if (middle < line.from_m - line_reach_m_ || middle > line.to_m + line_reach_m_) continue;
+      const double away =
+          std::max(std::abs(Cross(line.along, a - line.point)), std::abs(Cross(line.along, b - line.point)));
+      if (away > least) continue;
+      least = away;
+      best = &line;
+    }
+    return best;
+  }
+
+  /// Where two edges meet, if that is near the traced vertex between them; else on the line that is given.
+  Eigen::Vector2d Corner(const Eigen::Vector2d& traced, const Line2& before, bool before_given,
+                         const Line2& after, bool after_given) const {
+    const double sine = Cross(before.direction, after.direction);
+    if (std::abs(sine) > 0.2) {
+      const double t = Cross(after.point - before.point, after.direction) / sine;
+      const Eigen::Vector2d meeting = before.point + t * before.direction;
+      if ((meeting - traced).norm() < 2.0 * tolerance_) return meeting;
+    }
+    if (!before_given && !after_given) return traced;
+    const Line2& line = before_given ? before : after;
+    return line.point + line.direction.dot(traced - line.point) * line.direction;
+  }
+
   const Ring2* traced_;
   double tolerance_;
+  double line_reach_m_;
+  const std::vector<EdgeLine>& edge_lines_;
   std::vector<bool> keep_;    // traced vertices that stay
   std::vector<bool> pinned_;  // and may not move
   std::vector<int> kept_;
   Ring2 ring_;
 };
 
-std::vector<Ring2> SimplifiedBy(const std::vector<Ring2>& traced, double tolerance) {
+std::vector<Ring2> SimplifiedBy(const std::vector<Ring2>& traced, double tolerance, double line_reach_m,
+                                const std::vector<EdgeLine>& lines) {
   std::vector<SimplifiedRing> simplified;
-  for (const Ring2& ring : traced) simplified.emplace_back(ring, tolerance);
+  for (const Ring2& ring : traced) simplified.emplace_back(ring, tolerance, line_reach_m, lines);
   // Each pass halves what the touching edges replace, so that a dozen reach single pixels; the rest are for
   // edges that only come to touch by it.
   constexpr int kMaxPasses = 40;
@@ -172,11 +212,13 @@ std::vector<Ring2> SimplifiedBy(const std::vector<Ring2>& traced, double toleran
 
 }  // namespace
 
-std::vector<Ring2> SimplifyRings(const std::vector<Ring2>& traced, double tolerance_m, int max_vertices) {
-  std::vector<Ring2> rings = SimplifiedBy(traced, tolerance_m);
-  while (NumVertices(rings) > max_vertices && tolerance_m < kMaxTolerance) {
-    tolerance_m *= 1.5;
-    std::vector<Ring2> coarser = SimplifiedBy(traced, tolerance_m);
+std::vector<Ring2> SimplifyRings(const std::vector<Ring2>& traced, const SimplifySettings& settings,
+                                 const std::vector<EdgeLine>& lines) {
+  double tolerance = settings.tolerance_m;
+  std::vector<Ring2> rings = SimplifiedBy(traced, tolerance, settings.line_reach_m, lines);
+  while (NumVertices(rings) > settings.max_vertices && tolerance < kMaxTolerance) {
+    tolerance *= 1.5;
+    std::vector<Ring2> coarser = SimplifiedBy(traced, tolerance, settings.line_reach_m, lines);
     // Rings that would touch get vertices back, so that coarser is not always fewer.
     if (NumVertices(coarser) < NumVertices(rings)) rings = std::move(coarser);
   }

@@ -3,13 +3,30 @@
 
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "polygonization/plane_rings.h"
 
 namespace terrace {
 
-/// The rings of one traced piece with fewer vertices: edges are lines fitted to what they replace and leave
-/// it by no more than the tolerance. They neither cross nor touch; the traced ones must not either.
-/// @param max_vertices  of all rings together; ragged ones are simplified further, as far as they allow
-std::vector<Ring2> SimplifyRings(const std::vector<Ring2>& traced, double tolerance_m, int max_vertices);
+/// A stretch of a straight line on which edges are known to lie.
+struct EdgeLine {
+  Eigen::Vector2d point;
+  Eigen::Vector2d along;  ///< unit
+  double from_m = 0.0;    ///< of the stretch, along the line from the point
+  double to_m = 0.0;
+};
+
+struct SimplifySettings {
+  double tolerance_m = 0.015;  ///< how far an edge may leave what it replaces
+  int max_vertices =
+      2000;  ///< of all rings together; ragged ones are simplified further, as far as they allow
+  double line_reach_m = 0.012;  ///< an edge whose ends lie this close to a line lies on it
+};
+
+/// The rings of one traced piece with fewer vertices: edges are lines fitted to what they replace, or the
+/// given lines where they run along one. They neither cross nor touch; the traced ones must not either.
+std::vector<Ring2> SimplifyRings(const std::vector<Ring2>& traced, const SimplifySettings& settings,
+                                 const std::vector<EdgeLine>& lines = {});
 
 }  // namespace terrace

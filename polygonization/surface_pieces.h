@@ -20,9 +20,9 @@ struct SurfacePiece {
   std::vector<MemberRef> members;
 };
 
-/// Traces a surface and appends its pieces.
-void CutPieces(SurfaceId id, const SurfaceStore& store, const MergingConfig& config,
-               std::vector<SurfacePiece>* pieces);
+/// Traces the evidence for a surface and appends its pieces.
+void CutPieces(SurfaceId id, const Neighbours& neighbours, const SurfaceStore& store,
+               const MergingConfig& config, std::vector<SurfacePiece>* pieces);
 
 /// The id of each piece: that of the polygon of which it holds most, ties to the older polygon; 0 where it
 /// needs a new one. Ids that are given away leave `free_ids`.

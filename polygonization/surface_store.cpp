@@ -3,15 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 namespace terrace {
 namespace {
 
 /// The axes of a surface's outline are laid anew when its normal has turned by this much.
-constexpr double kMaxTurn_rad = 0.03;
+constexpr double kMaxTurn_rad = 0.15;
 
 /// Standard deviation of the normal that moments alone support, across the narrow side of the patch.
 double AngleSigma(const PlaneMoments& moments) {
@@ -25,26 +26,49 @@ Member MakeMember(const Patch& patch, const Eigen::Vector3d& centre_world) {
   Member member;
   member.patch = patch;
   member.mean_world = centre_world + patch.moments.Mean();
-  member.low_world.setConstant(std::numeric_limits<double>::infinity());
-  member.high_world = -member.low_world;
-  for (const Footprint& f : patch.footprints) {
-    const Eigen::Vector3d at = centre_world + f.centre.cast<double>();
-    const Eigen::Vector3d extent = (f.half_x.cwiseAbs() + f.half_y.cwiseAbs()).cast<double>();
-    member.low_world = member.low_world.cwiseMin(at - extent);
-    member.high_world = member.high_world.cwiseMax(at + extent);
-  }
+  member.low_world = centre_world + patch.low.cast<double>();
+  member.high_world = centre_world + patch.high.cast<double>();
   member.angle_sigma_rad = AngleSigma(patch.moments);
   return member;
 }
 
-std::int64_t BytesOf(const Member& member) {
-  return static_cast<std::int64_t>(sizeof(Member) + member.patch.footprints.size() * sizeof(Footprint));
+std::int64_t BytesOf(const Patch& patch) {
+  return static_cast<std::int64_t>(patch.footprints.size() * sizeof(Footprint));
 }
 
+void AdoptEvidence(const PlaneFrame& theirs, const EvidenceGrid& evidence, Surface* to) {
+  const PlaneFrame ours = to->Frame();
+  to->evidence.Adopt(
+      evidence, [&](const Eigen::Vector2d& p) { return theirs.ToPlane(ours.ToWorld(p)); },
+      [&](const Eigen::Vector2d& p) { return ours.ToPlane(theirs.ToWorld(p)); });
+}
+
+/// Takes evidence where the leaves of a member lie, and a little around them.
+void OpenEvidence(const CellMembers& cell, const Member& member, Surface* surface) {
+  constexpr double kAround_m = 0.01;
+  const PlaneFrame frame = surface->Frame();
+  const Eigen::Matrix<float, 2, 3> to_axes =
+      (Eigen::Matrix<double, 2, 3>() << surface->axes.x.transpose(), surface->axes.y.transpose())
+          .finished()
+          .cast<float>();
+  const Eigen::Vector2d middle = frame.ToPlane(cell.centre_world);
+  for (const Footprint& f : member.patch.footprints) {
+    const Eigen::Vector2d at = middle + (to_axes * f.centre).cast<double>();
+    const Eigen::Vector2d reach =
+        ((to_axes * f.half_x).cwiseAbs() + (to_axes * f.half_y).cwiseAbs()).cast<double>() +
+        Eigen::Vector2d::Constant(kAround_m);
+    surface->evidence.Open(at - reach, at + reach);
+  }
+}
+
+/// Lays the axes anew; evidence goes along.
 void Anchor(Surface* surface) {
+  const PlaneFrame before = surface->Frame();
+  const EvidenceGrid evidence = std::exchange(surface->evidence, EvidenceGrid(surface->evidence.cell_m()));
   surface->anchor_normal = surface->plane_world.normal;
   surface->axes = AxesOf(surface->anchor_normal);
   surface->trace_now = true;
+  AdoptEvidence(before, evidence, surface);
 }
 
 }  // namespace
@@ -67,7 +91,7 @@ std::vector<Member> SurfaceStore::TakeOut(const CellKey& key) {
   std::vector<Member> members = std::move(found->second.members);
   cells_.erase(found);
   for (const Member& member : members) {
-    member_bytes_ -= BytesOf(member);
+    footprint_bytes_ -= BytesOf(member.patch);
     if (member.surface == kNoSurface) continue;
     surfaces_.at(member.surface).cells.erase(key);
     touched_.insert(member.surface);
@@ -79,13 +103,15 @@ MemberRef SurfaceStore::Add(const CellKey& key, const Eigen::Vector3d& centre_wo
   CellMembers& cell = cells_[key];
   cell.centre_world = centre_world;
   cell.members.push_back(MakeMember(patch, centre_world));
-  member_bytes_ += BytesOf(cell.members.back());
+  footprint_bytes_ += BytesOf(patch);
   return {key, static_cast<int>(cell.members.size()) - 1};
 }
 
 void SurfaceStore::Join(const MemberRef& ref, SurfaceId id) {
   At(ref).surface = id;
-  surfaces_.at(id).cells.insert(ref.cell);
+  Surface& surface = surfaces_.at(id);
+  surface.cells.insert(ref.cell);
+  OpenEvidence(cells_.at(ref.cell), At(ref), &surface);
   touched_.insert(id);
 }
 
@@ -93,11 +119,13 @@ void SurfaceStore::Found(const MemberRef& ref) {
   const Member& member = At(ref);
   const SurfaceId id = next_surface_++;
   Surface& surface = surfaces_[id];
+  surface.evidence = EvidenceGrid(cell_m_);
   surface.plane_world = member.patch.plane_world;
   surface.angle_sigma_rad = member.angle_sigma_rad;
   surface.noise_m = member.patch.noise_m;
   surface.origin_world = member.mean_world;
-  Anchor(&surface);
+  surface.anchor_normal = surface.plane_world.normal;
+  surface.axes = AxesOf(surface.anchor_normal);
   Join(ref, id);
 }
 
@@ -112,6 +140,7 @@ void SurfaceStore::Absorb(SurfaceId keep, SurfaceId lose) {
   // Its polygons' ids may live on.
   winner.polygons.insert(winner.polygons.end(), loser.polygons.begin(), loser.polygons.end());
   winner.trace_now = true;
+  AdoptEvidence(loser.Frame(), loser.evidence, &winner);
   surfaces_.erase(lose);
   touched_.erase(lose);
   touched_.insert(keep);
@@ -144,11 +173,38 @@ void SurfaceStore::Refit(SurfaceId id, Surface* surface) {
   if (surface->plane_world.normal.dot(surface->anchor_normal) < std::cos(kMaxTurn_rad)) Anchor(surface);
 }
 
+Neighbours SurfaceStore::NeighboursOf(SurfaceId id) const {
+  Neighbours neighbours;
+  for (const CellKey& key : surfaces_.at(id).cells) {
+    ForEachAround(key, [&](const CellKey&, const CellMembers& cell) {
+      for (const Member& member : cell.members)
+        if (member.surface != id && member.surface != kNoSurface)
+          neighbours[member.surface].extend(Eigen::AlignedBox3d(member.low_world, member.high_world));
+    });
+  }
+  std::erase_if(neighbours, [&](const auto& item) { return surfaces_.at(item.first).polygons.empty(); });
+  return neighbours;
+}
+
+void SurfaceStore::Reopen(SurfaceId id) {
+  Surface& surface = surfaces_.at(id);
+  surface.evidence.Close();
+  for (const CellKey& key : surface.cells) {
+    const CellMembers& cell = cells_.at(key);
+    for (const Member& member : cell.members)
+      if (member.surface == id) OpenEvidence(cell, member, &surface);
+  }
+}
+
 std::int64_t SurfaceStore::memory_bytes() const {
   std::size_t bytes = cells_.size() * (sizeof(CellKey) + sizeof(CellMembers));
-  for (const auto& [id, surface] : surfaces_)
-    bytes += sizeof(surface) + surface.cells.size() * 4 * sizeof(CellKey);
-  return static_cast<std::int64_t>(bytes) + member_bytes_;
+  std::int64_t evidence_bytes = 0;
+  for (const auto& [id, surface] : surfaces_) {
+    // A node of a set takes as much again for its pointers; nearly each holds one member.
+    bytes += sizeof(surface) + surface.cells.size() * (4 * sizeof(CellKey) + sizeof(Member));
+    evidence_bytes += surface.evidence.memory_bytes();
+  }
+  return static_cast<std::int64_t>(bytes) + evidence_bytes + footprint_bytes_;
 }
 
 }  // namespace terrace

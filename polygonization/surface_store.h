@@ -9,13 +9,15 @@
 #include <unordered_map>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "core/geometry.h"
 #include "core/time.h"
 #include "mapping/terrain_octree.h"
 #include "polygonization/cell_modeller.h"
+#include "polygonization/evidence_grid.h"
 #include "polygonization/outline_tracer.h"
+#include "polygonization/plane_frame.h"
 #include "polygonization/plane_moments.h"
 #include "polygonization/polygon.h"
 
@@ -31,7 +33,7 @@ constexpr double kSystematic_m = 0.003;
 struct Member {
   Patch patch;
   Eigen::Vector3d mean_world;
-  Eigen::Vector3d low_world, high_world;  ///< box around the footprints
+  Eigen::Vector3d low_world, high_world;  ///< box around its leaves
   double angle_sigma_rad = 0.0;           ///< how well its own normal is known
   SurfaceId surface = kNoSurface;
   PolygonId polygon = 0;  ///< the polygon that it was part of last
@@ -56,15 +58,22 @@ struct Surface {
   Eigen::Vector3d origin_world;
   double angle_sigma_rad = 0.0;
   double noise_m = 0.0;  ///< of single points, as that of patches
-  /// Outlines are drawn in these axes, which stay when the plane moves a little.
+  /// Evidence and outlines are kept in these axes, which stay when the plane moves a little.
   Eigen::Vector3d anchor_normal;
   PlaneAxes axes;
+  EvidenceGrid evidence;
+  int num_flipped = 0;  ///< cells of the evidence that came or went since it was traced
   std::set<CellKey> cells;
   std::vector<PolygonId> polygons;
   std::vector<TracedPiece> pieces;  ///< of the polygons, as last traced
   FrameId traced_frame = 0;
   bool trace_now = true;  ///< the pieces are missing or of other axes
+
+  PlaneFrame Frame() const { return {plane_world, origin_world, axes, anchor_normal}; }
 };
+
+/// Surfaces beside another one, and the box around their patches there.
+using Neighbours = std::map<SurfaceId, Eigen::AlignedBox3d>;
 
 /// The surfaces and the patches that they are made of. What holds between two frames:
 ///  - every patch is a member of the cell that it was fitted in, and of one surface;
@@ -73,9 +82,13 @@ struct Surface {
 ///  - its polygons and its traced pieces go in pairs. (Only where it took another one in are there more
 ///  polygons,
 ///    until it is traced anew: `trace_now`.)
+///  - its evidence has room wherever its members lie.
 /// While a frame is worked in, `touched` names the surfaces whose members have changed.
 class SurfaceStore {
  public:
+  /// @param cell_m  of the evidence
+  explicit SurfaceStore(double cell_m = 0.01) : cell_m_(cell_m) {}
+
   Member& At(const MemberRef& ref) {
     return cells_.at(ref.cell).members[static_cast<std::size_t>(ref.index)];
   }
@@ -149,6 +162,11 @@ class SurfaceStore {
   /// The planes of the surfaces touched, from the moments of their members.
   void RefitTouched();
 
+  /// Published surfaces with patches in or beside the cells of this one.
+  Neighbours NeighboursOf(SurfaceId id) const;
+  /// A surface takes evidence where the leaves of its members lie now, and no longer where others lay.
+  void Reopen(SurfaceId id);
+
   std::int64_t memory_bytes() const;
 
  private:
@@ -157,11 +175,12 @@ class SurfaceStore {
   };
   void Refit(SurfaceId id, Surface* surface);
 
+  double cell_m_;
   std::unordered_map<CellKey, CellMembers, CellKeyHash> cells_;
   std::map<SurfaceId, Surface> surfaces_;
   std::set<SurfaceId> touched_;
   SurfaceId next_surface_ = 1;
-  std::int64_t member_bytes_ = 0;
+  std::int64_t footprint_bytes_ = 0;
 };
 
 }  // namespace terrace

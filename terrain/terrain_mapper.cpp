@@ -51,7 +51,8 @@ MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose,
   measuring.Next(StageId::kModelling);
   const PatchUpdate patches = parts_->modeller.Fit(parts_->octree, cells);
   measuring.Next(StageId::kMerging);
-  const PolygonUpdate polygons = parts_->merger.Merge(patches);
+  const PolygonUpdate polygons =
+      parts_->merger.Merge(patches, {view.camera, pose.T_world_left, &view.disparity});
   measuring.Next(StageId::kLabels);
   change.map = parts_->labeler.Label(polygons, pose, gravity);
 

@@ -4,9 +4,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "../../test/mapping/plane_world.h"
 #include "polygonization/cell_modeller.h"
 #include "polygonization/polygon_merger.h"
+#include "stereo/cloud.h"
+#include "test/mapping/disparity_of_planes.h"
 
 namespace terrace {
 namespace {
@@ -15,6 +16,7 @@ constexpr int kNumFrames = 20;
 
 struct Walk {
   StereoCamera camera{640, 480, 400.0, 400.0, 319.5, 239.5, 0.12};
+  std::vector<DisparityImage> disparities;
   std::vector<Cloud> clouds;
   std::vector<PoseEstimate> poses;
 
@@ -27,7 +29,8 @@ struct Walk {
     std::mt19937 random(1);
     for (int i = 0; i < kNumFrames; ++i) {
       poses.push_back(LookFrom(i, 0.04 * i, 0, 0.5, 0, 20.0 * std::numbers::pi / 180.0));
-      clouds.push_back(world.See(camera, poses.back().T_world_left, i, 1, 0.15, &random));
+      disparities.push_back(DisparityOf(world, camera, poses.back(), 0.15F, &random));
+      clouds.push_back(Triangulate(disparities.back(), camera, {}));
     }
   }
 };
@@ -49,7 +52,8 @@ void BM_Map(benchmark::State& state) {
       if (state.range(0) == 1) continue;
       const PatchUpdate patches = modeller.Fit(octree, cells);
       if (state.range(0) == 2) continue;
-      benchmark::DoNotOptimize(merger.Merge(patches));
+      benchmark::DoNotOptimize(
+          merger.Merge(patches, {walk.camera, walk.poses[i].T_world_left, &walk.disparities[i]}));
     }
   }
   state.counters["points"] = static_cast<double>(walk.clouds.back().points.size());

@@ -8,21 +8,25 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "../mapping/plane_world.h"
 #include "polygonization/cell_modeller.h"
+#include "stereo/cloud.h"
+#include "test/mapping/disparity_of_planes.h"
 
 namespace terrace {
 namespace {
 
-constexpr double kSigma_px = 0.1;
+constexpr float kSigma_px = 0.1F;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Octree, modeller and merger in a row, as the pipeline calls them.
 class Mapper {
  public:
-  const PolygonUpdate& See(const PlaneWorld& world, const PoseEstimate& pose) {
-    const Cloud cloud = world.See(TestCamera(), pose.T_world_left, pose.frame_id, 1, kSigma_px, &random_);
-    update_ = merger_.Merge(modeller_.Fit(octree_, octree_.Insert(cloud, TestCamera(), pose)));
+  const PolygonUpdate& See(const PlaneWorld& world, PoseEstimate pose) {
+    pose.t_capture = {1'000'000'000 + pose.frame_id * 50'000'000};
+    const DisparityImage image = DisparityOf(world, TestCamera(), pose, kSigma_px, &random_);
+    const Cloud cloud = Triangulate(image, TestCamera(), {});
+    update_ = merger_.Merge(modeller_.Fit(octree_, octree_.Insert(cloud, TestCamera(), pose)),
+                            {TestCamera(), pose.T_world_left, &image});
     return update_;
   }
   const PolygonUpdate& update() const { return update_; }

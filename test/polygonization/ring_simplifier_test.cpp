@@ -22,7 +22,7 @@ Ring2 PixelledRamp(double slope, double pixel_m, int num) {
 TEST(RingSimplifierTest, AnEdgeAlongPixelsBecomesTheLineThroughThem) {
   for (const double slope : {0.1, 0.23}) {
     const Ring2 traced = PixelledRamp(slope, 0.01, 100);
-    const std::vector<Ring2> rings = SimplifyRings({traced}, 0.0105, 2000);
+    const std::vector<Ring2> rings = SimplifyRings({traced}, {0.0105, 2000, 0.012});
     ASSERT_EQ(rings.size(), 1U);
     ASSERT_EQ(rings[0].size(), 4U) << "slope " << slope;
     for (const Eigen::Vector2d& p : rings[0]) {
@@ -30,6 +30,21 @@ TEST(RingSimplifierTest, AnEdgeAlongPixelsBecomesTheLineThroughThem) {
       EXPECT_NEAR(p.y(), slope * p.x(), 0.003) << "slope " << slope;
     }
   }
+}
+
+TEST(RingSimplifierTest, AnEdgeAlongAGivenLineLiesOnIt) {
+  const Ring2 traced = PixelledRamp(0.1, 0.01, 100);
+  // Less than half a pixel off what was traced.
+  const Eigen::Vector2d along = Eigen::Vector2d(1.0, 0.1).normalized();
+  const EdgeLine line{{0.0, 0.004}, along, -0.1, 2.0};
+  const std::vector<Ring2> rings = SimplifyRings({traced}, {0.0105, 2000, 0.012}, {line});
+  ASSERT_EQ(rings[0].size(), 4U);
+  for (const Eigen::Vector2d& p : rings[0])
+    EXPECT_TRUE(p.y() < -0.4 || std::abs(p.y() - 0.004 - 0.1 * p.x()) < 1e-9) << p.transpose();
+  const EdgeLine elsewhere{{0.0, 0.004}, along, 3.0, 4.0};
+  const std::vector<Ring2> fitted = SimplifyRings({traced}, {0.0105, 2000, 0.012}, {elsewhere});
+  for (const Eigen::Vector2d& p : fitted[0])
+    EXPECT_TRUE(p.y() < -0.4 || std::abs(p.y() - 0.1 * p.x()) < 0.003) << p.transpose();
 }
 
 TEST(RingSimplifierTest, RingsThatLieCloseDoNotTouchWhenSimplified) {
@@ -41,7 +56,7 @@ TEST(RingSimplifierTest, RingsThatLieCloseDoNotTouchWhenSimplified) {
     outline.emplace_back(0.1 * i, y);
   }
   const Ring2 hole{{0.1, 0.5}, {0.1, 0.97}, {0.9, 0.97}, {0.9, 0.5}};
-  const std::vector<Ring2> rings = SimplifyRings({outline, hole}, 0.05, 2000);
+  const std::vector<Ring2> rings = SimplifyRings({outline, hole}, {0.05, 2000, 0.012});
   ASSERT_EQ(rings.size(), 2U);
   EXPECT_TRUE(AreSimple({&rings[0], &rings[1]}));
   EXPECT_GT(SignedArea(rings[0]), 0.0);
@@ -54,8 +69,8 @@ TEST(RingSimplifierTest, HasAtMostAsManyVerticesAsAreAllowed) {
     const double angle = 0.015707963 * i, radius = 1.0 + 0.05 * std::sin(37.0 * angle);
     ring.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
   }
-  EXPECT_GT(SimplifyRings({ring}, 0.001, 5000)[0].size(), 100U);
-  EXPECT_LE(SimplifyRings({ring}, 0.001, 40)[0].size(), 40U);
+  EXPECT_GT(SimplifyRings({ring}, {0.001, 5000, 0.0})[0].size(), 100U);
+  EXPECT_LE(SimplifyRings({ring}, {0.001, 40, 0.0})[0].size(), 40U);
 }
 
 }  // namespace

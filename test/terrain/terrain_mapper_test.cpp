@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "test/terrain/disparity_of_planes.h"
+#include "test/mapping/disparity_of_planes.h"
 
 namespace terrace {
 namespace {

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polygonization/evidence_look.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+
+namespace terrace {
+namespace {
+
+/// A plane is not seen from behind, and hardly edge on: least cosine between its normal and the way to the
+/// camera.
+constexpr float kLeastCosine = 0.05F;
+constexpr double kNearest_m = 0.1;
+/// What plane and pose are wrong by, along the normal.
+constexpr float kPlaneError_m = 0.004F;
+/// A pixel lies on the plane within so many sigmas and what matching errs by together; it sees through it
+/// only this much farther on.
+constexpr float kSigmas = 3.0F;
+constexpr float kMatching_px = 0.1F;
+constexpr float kThroughFactor = 1.5F;
+/// A look counts by how finely its pixels lie in the plane: the number of halvings from this spacing on.
+constexpr float kCoarsest_m = 0.04F;
+constexpr int kMostWeight = 4;
+/// Looks of one weight do not count for more than this many of them.
+constexpr int kMostLooks = 8;
+/// What speaks against what was seen before counts so many times.
+constexpr int kAgainst = 2;
+/// In every look a quarter of the cells has its turn, except in blocks that are new or where much has
+/// changed.
+constexpr int kNewLooks = 4;
+constexpr int kManyContradictions = 6;
+/// A block that is well known and has not changed is looked at in every second frame only.
+constexpr int kSettledLooks = 24;
+/// Agreement that reaches farther along the normal than this, and so many times the noise of the surface, is
+/// none.
+constexpr float kMostReach_m = 0.02F;
+constexpr float kReachNoise = 3.5F;
+
+}  // namespace
+
+/// A plane as the left camera sees it, in floats.
+struct EvidenceLook::PlaneInView {
+  Eigen::Vector3f origin, step_x, step_y;  // corner of cell (0, 0) and one cell on, left frame
+  Eigen::Vector3f disparity;               // of the plane at pixel (u, v): dot with (u, v, 1)
+  float error_share;                       // of a disparity, for the error of the plane
+  float distance_m;                        // of the camera from the plane
+  float reach_m;
+  float cell_m;
+  FrameId frame_id;
+};
+
+EvidenceLook::EvidenceLook(const FrameView& view) : view_(view), T_left_world_(view.T_world_left.inverse()) {
+  const StereoCamera& c = view.camera;
+  const double left = -c.cx / c.fx, right = (c.width - 1 - c.cx) / c.fx;
+  const double top = -c.cy / c.fy, bottom = (c.height - 1 - c.cy) / c.fy;
+  sides_ = {Eigen::Vector3d(1, 0, -left).normalized(), Eigen::Vector3d(-1, 0, right).normalized(),
+            Eigen::Vector3d(0, 1, -top).normalized(), Eigen::Vector3d(0, -1, bottom).normalized()};
+}
+
+bool EvidenceLook::MayShow(const Eigen::Vector3d& centre_world, double radius_m) const {
+  const Eigen::Vector3d centre = T_left_world_ * centre_world;
+  if (centre.z() + radius_m < kNearest_m) return false;
+  return std::none_of(sides_.begin(), sides_.end(),
+                      [&](const Eigen::Vector3d& side) { return side.dot(centre) < -radius_m; });
+}
+
+LookResult EvidenceLook::At(const Plane& plane_world, const PlaneFrame& frame, double noise_m,
+                            EvidenceGrid* grid) const {
+  LookResult result;
+  const Eigen::AlignedBox2d extent = grid->extent();
+  if (extent.isEmpty() || !MayShow(frame.ToWorld(extent.center()), 0.6 * extent.diagonal().norm()))
+    return result;
+  const double distance = plane_world.SignedDistance(view_.T_world_left.translation());
+  if (distance < kNearest_m * static_cast<double>(kLeastCosine)) return result;
+  const StereoCamera& c = view_.camera;
+  const Eigen::Matrix3d R = T_left_world_.linear();
+  // n . z (x, y, 1) = -distance in the left frame, so that f b / z is linear in the pixel.
+  const Eigen::Vector3d n = R * plane_world.normal * (-c.fx * c.baseline_m / distance);
+  PlaneInView plane;
+  plane.origin = (T_left_world_ * frame.origin).cast<float>();
+  plane.step_x = (R * frame.x * grid->cell_m()).cast<float>();
+  plane.step_y = (R * frame.y * grid->cell_m()).cast<float>();
+  plane.disparity =
+      Eigen::Vector3d(n.x() / c.fx, n.y() / c.fy, n.z() - n.x() * c.cx / c.fx - n.y() * c.cy / c.fy)
+          .cast<float>();
+  plane.error_share = kPlaneError_m / static_cast<float>(distance);
+  plane.distance_m = static_cast<float>(distance);
+  plane.reach_m = kMostReach_m + kReachNoise * static_cast<float>(noise_m);
+  plane.cell_m = static_cast<float>(grid->cell_m());
+  plane.frame_id = view_.disparity->frame_id;
+
+  const double radius = 0.75 * grid->block_m();
+  for (auto& [key, block] : grid->blocks()) {
+    const Eigen::Vector2d middle = grid->block_m() * Eigen::Vector2d(key.first + 0.5, key.second + 0.5);
+    const bool settled = block.num_looks >= kSettledLooks && !block.contradicted;
+    if (settled && ((key.first + key.second + plane.frame_id) & 1) != 0) continue;
+    if (block.open == 0 || !MayShow(frame.ToWorld(middle), radius)) continue;
+    LookAtBlock(plane, key, &block, &result);
+  }
+  return result;
+}
+
+void EvidenceLook::LookAtBlock(const PlaneInView& plane, const EvidenceGrid::BlockKey& key,
+                               EvidenceGrid::Block* block, LookResult* result) const {
+  constexpr int kCells = EvidenceGrid::kBlockCells;
+  const StereoCamera& c = view_.camera;
+  const auto fx = static_cast<float>(c.fx), fy = static_cast<float>(c.fy);
+  const auto cx = static_cast<float>(c.cx) + 0.5F, cy = static_cast<float>(c.cy) + 0.5F;
+  const float fb = static_cast<float>(c.fx * c.baseline_m);
+  const Eigen::Vector3f corner = plane.origin +
+                                 (static_cast<float>(key.first * kCells) + 0.5F) * plane.step_x +
+                                 (static_cast<float>(key.second * kCells) + 0.5F) * plane.step_y;
+  const Eigen::Vector3f middle = corner + 7.5F * (plane.step_x + plane.step_y);
+  const float range = middle.norm();
+  const float facing = plane.distance_m / range;
+  if (middle.z() < static_cast<float>(kNearest_m) || facing < kLeastCosine) return;
+  int weight = 1;
+  for (float spacing = range / fx / facing; weight < kMostWeight && spacing <= 0.5F * kCoarsest_m;
+       spacing *= 2.0F)
+    ++weight;
+  const int most = weight * kMostLooks;
+  const bool all = block->num_looks < kNewLooks || block->contradicted;
+  const int turn = block->num_looks % 4;
+  block->num_looks = static_cast<std::uint8_t>(block->num_looks < 200 ? block->num_looks + 1 : 100);
+  // Where cells are finer than pixels, one in the middle asks for all around it.
+  int group = 1;
+  while (group < EvidenceGrid::kGroupCells && 2.0F * static_cast<float>(group) * plane.cell_m <= range / fx)
+    group *= 2;
+  const float to_middle = 0.5F * static_cast<float>(group - 1);
+  const int step = all ? group : 2 * group;
+  int contradictions = 0, num_on = 0;
+  for (int y = all ? 0 : (turn >> 1) * group; y < kCells; y += step) {
+    for (int x = all ? 0 : (turn & 1) * group; x < kCells; x += step) {
+      if (!block->IsOpen(x, y)) continue;
+      const Eigen::Vector3f p = corner + (static_cast<float>(x) + to_middle) * plane.step_x +
+                                (static_cast<float>(y) + to_middle) * plane.step_y;
+      if (p.z() < static_cast<float>(kNearest_m)) continue;
+      const float inverse_z = 1.0F / p.z();
+      const float u = fx * p.x() * inverse_z + cx, v = fy * p.y() * inverse_z + cy;
+      if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(c.width) && v < static_cast<float>(c.height)))
+        continue;
+      const int column = static_cast<int>(u), row = static_cast<int>(v);
+      const float seen = view_.disparity->disparity_px(row, column);
+      if (!(seen > 0.0F)) continue;
+      // Of the plane at the very pixel, not at the cell: no rounding comes between them.
+      const float expected = plane.disparity.x() * static_cast<float>(column) +
+                             plane.disparity.y() * static_cast<float>(row) + plane.disparity.z();
+      const float tolerance = kSigmas * view_.disparity->sigma_px(row, column) + kMatching_px +
+                              fb * inverse_z * plane.error_share;
+      const int before = block->At(x, y);
+      int now = before;
+      if (std::abs(seen - expected) <= tolerance) {
+        if (tolerance * plane.distance_m > plane.reach_m * expected) continue;
+        ++num_on;
+        if (before < most) now = std::min(before + (before < 0 ? kAgainst : 1) * weight, most);
+        contradictions += before <= EvidenceGrid::kThrough;
+      } else if (seen < expected - kThroughFactor * tolerance) {
+        ++result->num_through;
+        if (before > -most) now = std::max(before - (before > 0 ? kAgainst : 1) * weight, -most);
+        contradictions += before >= EvidenceGrid::kOn;
+      }
+      if (now == before) continue;
+      for (int j = y; j < y + group; ++j)
+        for (int i = x; i < x + group; ++i) block->At(i, j) = static_cast<std::int8_t>(now);
+      result->num_flipped += (before >= EvidenceGrid::kOn) != (now >= EvidenceGrid::kOn) ? group * group : 0;
+    }
+  }
+  block->contradicted = contradictions >= kManyContradictions;
+  if (num_on > 0) block->on_frame = plane.frame_id;
+  result->num_on += num_on;
+}
+
+}  // namespace terrace

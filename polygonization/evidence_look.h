@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include <Eigen/Geometry>
+
+#include "core/camera.h"
+#include "core/geometry.h"
+#include "core/time.h"
+#include "polygonization/evidence_grid.h"
+#include "polygonization/plane_frame.h"
+#include "stereo/disparity_image.h"
+
+namespace terrace {
+
+/// What one frame shows, and from where.
+struct FrameView {
+  StereoCamera camera;
+  Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
+  const DisparityImage* disparity = nullptr;  ///< not owned
+};
+
+/// What a look at one plane found.
+struct LookResult {
+  int num_on = 0;       ///< cells where pixels lay on the plane
+  int num_through = 0;  ///< cells where they saw through it
+  int num_flipped = 0;  ///< cells that belong to the surface from now on, or no longer
+};
+
+/// Asks the disparity image of one frame what it shows of planes. A pixel whose disparity agrees with the
+/// plane, within what its sigma and the plane's own error allow, lies on it; one that is farther away was
+/// seen through the plane; one that is nearer, and one without a disparity, say nothing.
+class EvidenceLook {
+ public:
+  explicit EvidenceLook(const FrameView& view);
+
+  /// Adds what the frame shows of a plane to the evidence for it.
+  /// @param noise_m  of single points, along the normal
+  LookResult At(const Plane& plane_world, const PlaneFrame& frame, double noise_m, EvidenceGrid* grid) const;
+
+ private:
+  struct PlaneInView;
+  /// Whether a ball may be in view.
+  bool MayShow(const Eigen::Vector3d& centre_world, double radius_m) const;
+  void LookAtBlock(const PlaneInView& plane, const EvidenceGrid::BlockKey& key, EvidenceGrid::Block* block,
+                   LookResult* result) const;
+
+  const FrameView& view_;
+  Eigen::Isometry3d T_left_world_;
+  std::array<Eigen::Vector3d, 4> sides_;  // inward normals of the planes through the camera and an image edge
+};
+
+}  // namespace terrace

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "polygonization/surface_joints.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+namespace terrace {
+namespace {
+
+/// Planes that meet at a flatter angle than this (sine; 7 deg) have no line of intersection to speak of.
+constexpr double kLeastSine = 0.12;
+/// So near to the line another surface must have been seen to meet this one there.
+constexpr std::array<double, 2> kBeside_m{0.015, 0.03};
+/// Where it is asked, beyond the blur of the line, on which side this surface goes on; farther out the
+/// flatter the angle, since pixels beyond the line agree with both planes the longer.
+constexpr std::array<double, 5> kProbes_m{0.03, 0.045, 0.06, 0.08, 0.10};
+constexpr int kGoesOn = 4;   // probes
+constexpr int kClearly = 2;  // more of them
+/// How far beyond the line what agreed with this plane belongs to the other, at a right angle.
+constexpr double kCut_m = 0.12;
+constexpr double kMostCut_m = 0.4;
+/// A gap before the line is closed up to here.
+constexpr double kFill_m = 0.035;
+constexpr double kLeastStretch_m = 0.04;
+
+enum class Keep { kNothing, kFront, kBehind, kBoth };
+
+/// The line where another plane meets this one, in the coordinates of this one.
+struct JointLine {
+  Eigen::Vector2d point;
+  Eigen::Vector2d along;
+  Eigen::Vector2d to_front;  // where the other surface is seen from
+  double sine;
+
+  double Across(const Eigen::Vector2d& p) const { return to_front.dot(p - point); }
+};
+
+std::optional<JointLine> LineOf(const PlaneFrame& frame, const Plane& other) {
+  const double offset = other.SignedDistance(frame.origin);
+  const Eigen::Vector2d gradient(other.normal.dot(frame.x), other.normal.dot(frame.y));
+  const double sine = gradient.norm();
+  if (sine < kLeastSine) return std::nullopt;
+  JointLine line;
+  line.to_front = gradient / sine;
+  line.along = {-line.to_front.y(), line.to_front.x()};
+  line.point = -offset / sine * line.to_front;
+  line.sine = sine;
+  return line;
+}
+
+/// One surface cut by one other.
+class Joint {
+ public:
+  Joint(const Surface& surface, const Surface& other, const JointLine& line, PlaneBitmap* bitmap)
+      : frame_(surface.Frame()), other_frame_(other.Frame()), other_(other), line_(line), bitmap_(*bitmap) {
+    const Eigen::Vector3d& n = other.plane_world.normal;
+    const Eigen::Vector3d& own = surface.plane_world.normal;
+    const Eigen::Vector3d up = (own - own.dot(n) * n).normalized();
+    up_other_ = {other.axes.x.dot(up), other.axes.y.dot(up)};
+    scale_ = std::clamp(0.5 / line.sine, 1.0, 4.0);
+  }
+
+  /// Cuts along the stretch [from, to] of the line, and appends where it did.
+  void Cut(double from_m, double to_m, std::vector<EdgeLine>* lines) {
+    const double step = 0.5 * bitmap_.pixel_m;
+    double began = from_m, last = from_m;
+    Keep keep_before = Keep::kNothing;
+    const auto end_stretch = [&] {
+      const bool one_side = keep_before == Keep::kFront || keep_before == Keep::kBehind;
+      if (one_side && last - began >= kLeastStretch_m)
+        lines->push_back({line_.point, line_.along, began, last});
+    };
+    for (double t = from_m; t <= to_m; t += step) {
+      const Eigen::Vector2d at = line_.point + t * line_.along;
+      const Keep keep = Decide(at);
+      if (keep != keep_before) {
+        end_stretch();
+        began = t;
+      }
+      if (keep != Keep::kNothing) Paint(at, keep);
+      last = t;
+      keep_before = keep;
+    }
+    end_stretch();
+  }
+
+ private:
+  /// On which sides of the line this surface goes on at one point of it.
+  Keep Decide(const Eigen::Vector2d& at) const {
+    const Eigen::Vector2d on_other = other_frame_.ToPlane(frame_.ToWorld(at));
+    bool above = false, below = false;  // the other surface, seen from this one
+    for (const double d : kBeside_m) {
+      above = above || other_.evidence.At(on_other + d * up_other_) >= EvidenceGrid::kOn;
+      below = below || other_.evidence.At(on_other - d * up_other_) >= EvidenceGrid::kOn;
+    }
+    if (!above && !below) return Keep::kNothing;
+    int front = 0, behind = 0;
+    for (const double d : kProbes_m) {
+      front += bitmap_.OnAt(at + scale_ * d * line_.to_front);
+      behind += bitmap_.OnAt(at - scale_ * d * line_.to_front);
+    }
+    if (front + behind == 0) return Keep::kNothing;
+    if (front >= behind + kClearly) return Keep::kFront;
+    if (behind >= front + kClearly) return Keep::kBehind;
+    // What rises from a surface hides what lies behind it; what falls away from it has it behind itself.
+    if (front >= kGoesOn && behind >= kGoesOn) return above ? Keep::kBoth : Keep::kNothing;
+    return above ? Keep::kFront : Keep::kBehind;
+  }
+
+  void Paint(const Eigen::Vector2d& at, Keep keep) {
+    const double step = 0.5 * bitmap_.pixel_m;
+    if (keep == Keep::kBoth) {
+      for (double d = -bitmap_.pixel_m; d <= bitmap_.pixel_m; d += step) Bar(at + d * line_.to_front, 0.75);
+      return;
+    }
+    const Eigen::Vector2d inside = keep == Keep::kFront ? line_.to_front : Eigen::Vector2d(-line_.to_front);
+    const double depth = std::min(kMostCut_m, scale_ * kCut_m);
+    for (double d = 0.0; d <= depth; d += step) Bar(at - d * inside, inside);
+    double filled = 0.0;
+    while (filled <= kFill_m && !bitmap_.OnAt(at + (filled + step) * inside)) filled += step;
+    if (filled > kFill_m) return;
+    for (double d = step; d <= filled; d += step) {
+      const cv::Point pixel = bitmap_.PixelAt(at + d * inside);
+      if (bitmap_.Holds(pixel) && bitmap_.barred(pixel) == 0) bitmap_.on(pixel) = 255;
+    }
+  }
+
+  /// A pixel on the far side of the line.
+  void Bar(const Eigen::Vector2d& p, const Eigen::Vector2d& inside) {
+    const cv::Point pixel = bitmap_.PixelAt(p);
+    if (!bitmap_.Holds(pixel)) return;
+    if (inside.dot(bitmap_.CentreOf(pixel.x, pixel.y) - line_.point) > 0.0) return;
+    bitmap_.barred(pixel) = 255;
+    bitmap_.on(pixel) = 0;
+  }
+  /// A pixel on the line, within so many pixels.
+  void Bar(const Eigen::Vector2d& p, double reach_px) {
+    const cv::Point pixel = bitmap_.PixelAt(p);
+    if (!bitmap_.Holds(pixel)) return;
+    if (std::abs(line_.Across(bitmap_.CentreOf(pixel.x, pixel.y))) > reach_px * bitmap_.pixel_m) return;
+    bitmap_.barred(pixel) = 255;
+    bitmap_.on(pixel) = 0;
+  }
+
+  const PlaneFrame frame_, other_frame_;
+  const Surface& other_;
+  const JointLine& line_;
+  PlaneBitmap& bitmap_;
+  Eigen::Vector2d up_other_;  // in the other plane, away from the line on the seen side of this one
+  double scale_;
+};
+
+}  // namespace
+
+std::vector<EdgeLine> CutAtJoints(SurfaceId id, const Neighbours& neighbours, const SurfaceStore& store,
+                                  PlaneBitmap* bitmap) {
+  std::vector<EdgeLine> lines;
+  const Surface& surface = store.surfaces().at(id);
+  const PlaneFrame frame = surface.Frame();
+  for (const auto& [other_id, box] : neighbours) {
+    const Surface& other = store.surfaces().at(other_id);
+    const std::optional<JointLine> line = LineOf(frame, other.plane_world);
+    if (!line) continue;
+    double from = std::numeric_limits<double>::infinity(), to = -from;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector2d p =
+          frame.ToPlane(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))) - line->point;
+      from = std::min(from, line->along.dot(p));
+      to = std::max(to, line->along.dot(p));
+    }
+    Joint(surface, other, *line, bitmap).Cut(from, to, &lines);
+  }
+  return lines;
+}
+
+}  // namespace terrace
