@@ -41,6 +41,7 @@ std::vector<CellKey> ChangeReport::Take(LeafTree* tree) {
     cell.num_changed_leaves = 0;
     cell.reported_frame = frame_id_;
     now.push_back(*at);
+    if (cell.leaves.empty()) tree->RemoveCell(*at);
     at = waiting_.erase(at);
   }
   return now;

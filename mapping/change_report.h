@@ -22,7 +22,7 @@ class ChangeReport {
   /// The cell is gone.
   void Forget(const CellKey& key) { waiting_.erase(key); }
 
-  /// The cells to be fitted now, ascending.
+  /// The cells to be fitted now, ascending. One that has lost its last leaf is removed from the tree.
   std::vector<CellKey> Take(LeafTree* tree);
 
  private:

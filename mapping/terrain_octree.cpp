@@ -63,8 +63,9 @@ class TerrainOctree::Impl {
     return {cloud.frame_id, cloud.t_capture, report_.Take(&tree_)};
   }
 
-  std::vector<CellKey> ForgetFarFrom(const Eigen::Vector3d& p_world) {
-    const int radius_leaves = static_cast<int>(std::ceil(config_.window_m / config_.leaf_size_m));
+  std::vector<CellKey> ForgetBeyond(const Eigen::Vector3d& p_world, double radius_m) {
+    if (!IsCountable(p_world, config_)) return {};
+    const int radius_leaves = static_cast<int>(std::ceil(radius_m / config_.leaf_size_m));
     std::vector<CellKey> gone = tree_.ForgetBeyond(LeafAt(p_world, config_), radius_leaves, kForgottenBlocks);
     for (const CellKey& key : gone) report_.Forget(key);
     return gone;
@@ -153,8 +154,8 @@ TerrainOctree::~TerrainOctree() = default;
 ChangedCells TerrainOctree::Insert(const Cloud& cloud, const StereoCamera& camera, const PoseEstimate& pose) {
   return impl_->Insert(cloud, camera, pose);
 }
-std::vector<CellKey> TerrainOctree::ForgetFarFrom(const Eigen::Vector3d& p_world) {
-  return impl_->ForgetFarFrom(p_world);
+std::vector<CellKey> TerrainOctree::ForgetBeyond(const Eigen::Vector3d& p_world, double radius_m) {
+  return impl_->ForgetBeyond(p_world, radius_m);
 }
 void TerrainOctree::CollectSurfels(const CellKey& cell, std::vector<Surfel>* surfels) const {
   impl_->CollectSurfels(cell, surfels);

@@ -43,9 +43,9 @@ class TerrainOctree {
   /// Adds one frame's points, and clears what they prove to be free. The cost depends on the frame, not on
   /// the size of the map. Returned are the cells that changed enough to be worth a new fit.
   ChangedCells Insert(const Cloud& cloud, const StereoCamera& camera, const PoseEstimate& pose);
-  /// Forgets what lies farther than `mapping.window_m` from here, a few blocks at a time.
+  /// Forgets what lies farther than this from a place, a few blocks at a time.
   /// @return the cells that are gone, ascending
-  std::vector<CellKey> ForgetFarFrom(const Eigen::Vector3d& p_world);
+  std::vector<CellKey> ForgetBeyond(const Eigen::Vector3d& p_world, double radius_m);
 
   /// The occupied leaves of one cell, always in the same order.
   void CollectSurfels(const CellKey& cell, std::vector<Surfel>* surfels) const;

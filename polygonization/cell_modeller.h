@@ -72,6 +72,10 @@ class CellModeller {
   explicit CellModeller(const ModellingConfig& config);
 
   PatchUpdate Fit(const TerrainOctree& octree, const ChangedCells& cells);
+  /// Forgets the planes of these cells, whose points are gone.
+  void Forget(const std::vector<CellKey>& cells) {
+    for (const CellKey& key : cells) planes_world_.erase(key);
+  }
   /// Forgets the planes of all cells: a new map begins.
   void Reset() { planes_world_.clear(); }
 

@@ -20,6 +20,7 @@ std::vector<std::string> MergingConfig::Problems() const {
     problems.push_back("max_vertices = " + std::to_string(max_vertices) + " must lie between 16 and 5000");
   }
   positive(min_change_m, "min_change_m");
+  if (!(max_extent_m >= 2.0)) problems.push_back("max_extent_m must be at least 2");
   return problems;
 }
 

@@ -29,6 +29,9 @@ struct MergingConfig {
   /// A polygon gets a new revision when its plane moved by this much inside its outline, or its area changed
   /// by as much along its edges.
   double min_change_m = 0.001;
+  /// A surface grows no farther than this along each axis of the world, so that a change costs no more in a large
+  /// place than in a small one; beyond, another one goes on.
+  double max_extent_m = 20.0;
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;

@@ -66,6 +66,10 @@ class PolygonMerger::Impl {
     return update;
   }
 
+  void Fold(const std::vector<CellKey>& cells) {
+    for (const CellKey& key : cells) store_.Fold(key);
+  }
+
   const PolygonMap& polygons() const { return polygons_; }
   std::int64_t memory_bytes() const { return store_.memory_bytes() + polygons_.memory_bytes(); }
 
@@ -188,6 +192,7 @@ PolygonMerger::~PolygonMerger() = default;
 PolygonUpdate PolygonMerger::Merge(const PatchUpdate& patches, const FrameView& view) {
   return impl_->Merge(patches, view);
 }
+void PolygonMerger::Fold(const std::vector<CellKey>& cells) { impl_->Fold(cells); }
 const PolygonMap& PolygonMerger::polygons() const { return impl_->polygons(); }
 std::int64_t PolygonMerger::memory_bytes() const { return impl_->memory_bytes(); }
 

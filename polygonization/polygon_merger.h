@@ -22,6 +22,10 @@ class PolygonMerger {
   /// @param view  the frame that the patches were last added to
   PolygonUpdate Merge(const PatchUpdate& patches, const FrameView& view);
 
+  /// The points of these cells are forgotten. Their polygons stay, with their ids, and are taken up again where as
+  /// much is seen as before.
+  void Fold(const std::vector<CellKey>& cells);
+
   /// The whole map as it is after the last Merge().
   const PolygonMap& polygons() const;
   std::int64_t memory_bytes() const;

@@ -17,6 +17,8 @@ constexpr int kRounds = 2;
 constexpr double kMaxExtraAngle_rad = 0.5;
 /// A member leaves its surface only when it fits this much worse than a newcomer may.
 constexpr double kLeaveFactor = 1.5;
+/// A cell whose points were forgotten gets new patches when they show this share of the area known before.
+constexpr double kMuchOfTheArea = 0.8;
 
 double AngleBetween(const Plane& a, const Plane& b) {
   return std::acos(std::clamp(a.normal.dot(b.normal), -1.0, 1.0));
@@ -37,10 +39,20 @@ void SurfaceGrower::Grow(const PatchUpdate& update) {
   store_.RefitTouched();
 }
 
+bool SurfaceGrower::KnowsAsMuch(const PatchUpdate::CellPatches& cell) const {
+  const CellMembers* known = store_.Find(cell.key);
+  if (known == nullptr || !known->folded) return true;
+  double before_m2 = 0.0, now_m2 = 0.0;
+  for (const Member& member : known->members) before_m2 += member.patch.area_m2;
+  for (const Patch& patch : cell.patches) now_m2 += patch.area_m2;
+  return now_m2 >= kMuchOfTheArea * before_m2;
+}
+
 /// A new patch that fits the surface of an old one of its cell goes straight there.
 void SurfaceGrower::Replace(const PatchUpdate& update) {
   homeless_.clear();
   for (const PatchUpdate::CellPatches& cell : update.cells) {
+    if (!KnowsAsMuch(cell)) continue;
     const std::vector<Member> old = store_.TakeOut(cell.key);
     for (const Patch& patch : cell.patches) {
       const MemberRef ref = store_.Add(cell.key, cell.centre_world, patch);
@@ -61,6 +73,10 @@ void SurfaceGrower::Replace(const PatchUpdate& update) {
         homeless_.push_back(ref);
     }
   }
+}
+
+bool SurfaceGrower::TooLarge(const Eigen::AlignedBox3d& box_world) const {
+  return box_world.sizes().maxCoeff() > config_.max_extent_m;
 }
 
 std::optional<double> SurfaceGrower::Misfit(const Member& member, const Surface& surface,
@@ -108,12 +124,14 @@ void SurfaceGrower::FindHomes() {
     return wa != wb ? wa > wb : a < b;
   });
   for (const MemberRef& ref : queue) {
+    const Eigen::AlignedBox3d box(store_.At(ref).low_world, store_.At(ref).high_world);
     SurfaceId home = kNoSurface;
     double best = std::numeric_limits<double>::infinity();
     ForEachNeighbour(ref, [&](const Member& neighbour) {
       if (neighbour.surface == kNoSurface || neighbour.surface == home) return;
-      const std::optional<double> misfit =
-          Misfit(store_.At(ref), store_.surfaces().at(neighbour.surface), 1.0);
+      const Surface& candidate = store_.surfaces().at(neighbour.surface);
+      if (TooLarge(candidate.box_world.merged(box))) return;
+      const std::optional<double> misfit = Misfit(store_.At(ref), candidate, 1.0);
       if (!misfit || *misfit > best || (*misfit == best && neighbour.surface > home)) return;
       best = *misfit;
       home = neighbour.surface;
@@ -132,8 +150,9 @@ void SurfaceGrower::JoinSurfaces(const PatchUpdate& update) {
   // Pairs that meet in or beside a cell that changed.
   std::set<std::pair<SurfaceId, SurfaceId>> pairs;
   for (const PatchUpdate::CellPatches& cell : update.cells) {
-    for (int i = 0; i < static_cast<int>(cell.patches.size()); ++i) {
-      const Member& member = store_.At({cell.key, i});
+    const CellMembers* known = store_.Find(cell.key);
+    for (int i = 0; known && i < static_cast<int>(known->members.size()); ++i) {
+      const Member& member = known->members[static_cast<std::size_t>(i)];
       if (member.surface == kNoSurface) continue;
       const Surface& surface = surfaces.at(member.surface);
       ForEachNeighbour({cell.key, i}, [&](const Member& neighbour) {
@@ -146,6 +165,7 @@ void SurfaceGrower::JoinSurfaces(const PatchUpdate& update) {
   for (const auto& [a, b] : pairs) {
     const SurfaceId first = Survivor(a), second = Survivor(b);
     if (first == second || !OnePlane(surfaces.at(first), surfaces.at(second))) continue;
+    if (TooLarge(surfaces.at(first).box_world.merged(surfaces.at(second).box_world))) continue;
     const bool keep_first = surfaces.at(first).moments.weight >= surfaces.at(second).moments.weight;
     const SurfaceId keep = keep_first ? first : second, lose = keep_first ? second : first;
     store_.Absorb(keep, lose);

@@ -22,12 +22,15 @@ class SurfaceGrower {
 
  private:
   void Replace(const PatchUpdate& update);
+  /// Whether new patches of a cell show as much as is known of it from before its points were forgotten.
+  bool KnowsAsMuch(const PatchUpdate::CellPatches& cell) const;
   void FindHomes();
   void JoinSurfaces(const PatchUpdate& update);
   void EvictMisfits();
   /// How badly a patch fits a surface, or nothing when it does not belong there at all.
   std::optional<double> Misfit(const Member& member, const Surface& surface, double slack) const;
   bool OnePlane(const Surface& a, const Surface& b) const;
+  bool TooLarge(const Eigen::AlignedBox3d& box_world) const;
   bool Near(const Member& a, const Member& b) const;
   template <typename Visitor>
   void ForEachNeighbour(const MemberRef& ref, const Visitor& visit) const;

@@ -59,6 +59,13 @@ void OpenEvidence(const CellMembers& cell, const Member& member, Surface* surfac
         Eigen::Vector2d::Constant(kAround_m);
     surface->evidence.Open(at - reach, at + reach);
   }
+  if (!cell.folded) return;
+  // Where the leaves lay is forgotten: the box around them is what is left.
+  Eigen::AlignedBox2d box;
+  const Eigen::AlignedBox3d box_world(member.low_world, member.high_world);
+  for (int corner = 0; corner < 8; ++corner)
+    box.extend(frame.ToPlane(box_world.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
+  surface->evidence.Open(box.min(), box.max());
 }
 
 /// Lays the axes anew; evidence goes along.
@@ -83,6 +90,16 @@ std::size_t SurfaceStore::CellKeyHash::operator()(const CellKey& key) const {
 const CellMembers* SurfaceStore::Find(const CellKey& key) const {
   const auto found = cells_.find(key);
   return found == cells_.end() ? nullptr : &found->second;
+}
+
+void SurfaceStore::Fold(const CellKey& key) {
+  const auto found = cells_.find(key);
+  if (found == cells_.end()) return;
+  found->second.folded = true;
+  for (Member& member : found->second.members) {
+    footprint_bytes_ -= BytesOf(member.patch);
+    member.patch.footprints = {};
+  }
 }
 
 std::vector<Member> SurfaceStore::TakeOut(const CellKey& key) {
@@ -111,6 +128,7 @@ void SurfaceStore::Join(const MemberRef& ref, SurfaceId id) {
   At(ref).surface = id;
   Surface& surface = surfaces_.at(id);
   surface.cells.insert(ref.cell);
+  surface.box_world.extend(Eigen::AlignedBox3d(At(ref).low_world, At(ref).high_world));
   OpenEvidence(cells_.at(ref.cell), At(ref), &surface);
   touched_.insert(id);
 }
@@ -140,6 +158,7 @@ void SurfaceStore::Absorb(SurfaceId keep, SurfaceId lose) {
   // Its polygons' ids may live on.
   winner.polygons.insert(winner.polygons.end(), loser.polygons.begin(), loser.polygons.end());
   winner.trace_now = true;
+  winner.box_world.extend(loser.box_world);
   AdoptEvidence(loser.Frame(), loser.evidence, &winner);
   surfaces_.erase(lose);
   touched_.erase(lose);

@@ -42,6 +42,8 @@ struct Member {
 struct CellMembers {
   Eigen::Vector3d centre_world;
   std::vector<Member> members;
+  /// The points that the members were fitted to are forgotten: the members stay until as much is known again.
+  bool folded = false;
 };
 
 /// Names a member until its cell gets new patches.
@@ -64,6 +66,7 @@ struct Surface {
   EvidenceGrid evidence;
   int num_flipped = 0;  ///< cells of the evidence that came or went since it was traced
   std::set<CellKey> cells;
+  Eigen::AlignedBox3d box_world;  ///< around all members that it ever had
   std::vector<PolygonId> polygons;
   std::vector<TracedPiece> pieces;  ///< of the polygons, as last traced
   FrameId traced_frame = 0;
@@ -127,6 +130,8 @@ class SurfaceStore {
   const std::map<SurfaceId, Surface>& surfaces() const { return surfaces_; }
   std::set<SurfaceId>& touched() { return touched_; }
 
+  /// The points of a cell are forgotten: its members stay, compact, and take no evidence any more.
+  void Fold(const CellKey& key);
   /// The members of a cell leave their surfaces and the store.
   std::vector<Member> TakeOut(const CellKey& key);
   /// A patch comes into its cell, without a surface yet.

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "terrain/terrain_mapper.h"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "core/check.h"
 #include "labeling/gravity_from_planes.h"
 #include "stereo/cloud.h"
@@ -26,6 +30,12 @@ void CompareMaps(const TerrainMap& before, const TerrainMap& after, MapChange* c
   for (; old != before.regions.end(); ++old) change->removed.push_back((*old)->id);
 }
 
+/// How far away points are still certain enough to be mapped, where disparities are as good as they ever get.
+double FarthestMapped(const StereoCamera& camera, const CloudConfig& cloud) {
+  constexpr double kFinestSigma_px = 0.05;
+  return std::sqrt(cloud.max_depth_sigma_m * camera.fx * camera.baseline_m / kFinestSigma_px);
+}
+
 }  // namespace
 
 TerrainMapper::Parts::Parts(const TerrainConfig& config, const StereoCamera& camera,
@@ -37,7 +47,11 @@ TerrainMapper::Parts::Parts(const TerrainConfig& config, const StereoCamera& cam
 
 TerrainMapper::TerrainMapper(const TerrainConfig& config, const StereoCamera& camera,
                              const std::optional<Eigen::Isometry3d>& T_body_left, StageMeters* meters)
-    : config_(config), camera_(camera), T_body_left_(T_body_left), meters_(meters) {
+    : config_(config),
+      camera_(camera),
+      T_body_left_(T_body_left),
+      window_m_(std::max(config.mapping.window_m, FarthestMapped(camera, config.cloud))),
+      meters_(meters) {
   parts_.emplace(config_, camera_, T_body_left_, 1);
 }
 
@@ -56,10 +70,17 @@ MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose,
   measuring.Next(StageId::kLabels);
   change.map = parts_->labeler.Label(polygons, pose, gravity);
 
+  FoldFarFrom(pose.T_world_left.translation());
   gravity_hint_ = GravityFromPlanes(polygons, pose, gravity);
   CompareMaps(*before, *change.map, &change);
   CountCells(&change);
   return change;
+}
+
+void TerrainMapper::FoldFarFrom(const Eigen::Vector3d& p_world) {
+  const std::vector<CellKey> gone = parts_->octree.ForgetBeyond(p_world, window_m_);
+  parts_->modeller.Forget(gone);
+  parts_->merger.Fold(gone);
 }
 
 MapChange TerrainMapper::Unchanged() const {

@@ -64,11 +64,14 @@ class TerrainMapper {
     TerrainLabeler labeler;
   };
 
+  /// Beyond the window evidence is forgotten, and regions stay.
+  void FoldFarFrom(const Eigen::Vector3d& p_world);
   void CountCells(MapChange* change) const;
 
   const TerrainConfig config_;
   const StereoCamera camera_;
   const std::optional<Eigen::Isometry3d> T_body_left_;
+  const double window_m_;
   StageMeters* const meters_;
   std::optional<Parts> parts_;  // always there
   std::optional<GravityHint> gravity_hint_;

@@ -189,9 +189,8 @@ TEST(TerrainOctreeTest, SeesTheSameSurfaceManyKilometresFromTheOrigin) {
 }
 
 TEST(TerrainOctreeTest, ForgetsWhatLiesBeyondTheWindowAndGivesItsMemoryToWhatComes) {
-  MappingConfig config;
-  config.window_m = 4.0;
-  TerrainOctree octree(config);
+  constexpr double kWindow_m = 4.0;
+  TerrainOctree octree(MappingConfig{});
   std::mt19937 random(1);
   PlaneWorld world;
   world.AddFloor(-2, 26, -1, 1, 0);
@@ -205,8 +204,8 @@ TEST(TerrainOctreeTest, ForgetsWhatLiesBeyondTheWindowAndGivesItsMemoryToWhatCom
       known.insert(key);
       forgotten.erase(key);
     }
-    for (const CellKey& key : octree.ForgetFarFrom(pose.T_world_left.translation())) {
-      EXPECT_GT((octree.CellCentre(key) - pose.T_world_left.translation()).norm(), config.window_m);
+    for (const CellKey& key : octree.ForgetBeyond(pose.T_world_left.translation(), kWindow_m)) {
+      EXPECT_GT((octree.CellCentre(key) - pose.T_world_left.translation()).norm(), kWindow_m);
       forgotten.insert(key);
     }
     if (bytes_early == 0 && x > 9.0) bytes_early = octree.memory_bytes();
@@ -215,15 +214,13 @@ TEST(TerrainOctreeTest, ForgetsWhatLiesBeyondTheWindowAndGivesItsMemoryToWhatCom
   constexpr double kBlock = 1.28 * 1.74;  // cells are forgotten block by block
   for (const CellKey& key : known) {
     const double distance = (octree.CellCentre(key) - Eigen::Vector3d(20.0, 0, 0.45)).norm();
-    EXPECT_TRUE(forgotten.contains(key) || distance < config.window_m + 2.0 * kBlock) << distance;
+    EXPECT_TRUE(forgotten.contains(key) || distance < kWindow_m + 2.0 * kBlock) << distance;
     EXPECT_TRUE(!forgotten.contains(key) || SurfelsOf(octree, key).empty());
   }
 }
 
 TEST(TerrainOctreeTest, LearnsAPlaceAnewThatItHadForgotten) {
-  MappingConfig config;
-  config.window_m = 5.0;
-  TerrainOctree octree(config);
+  TerrainOctree octree(MappingConfig{});
   std::mt19937 random(1);
   PlaneWorld world;
   world.AddFloor(-1, 4, -2, 2, 0);
@@ -232,7 +229,7 @@ TEST(TerrainOctreeTest, LearnsAPlaceAnewThatItHadForgotten) {
   const CellKey key = CellAt(octree, {0.9, 0.05, 0.0});
   const std::size_t num_before = SurfelsOf(octree, key).size();
   ASSERT_GT(num_before, 50U);
-  for (int i = 0; i < 20; ++i) octree.ForgetFarFrom({100.0, 0.0, 0.0});
+  for (int i = 0; i < 20; ++i) octree.ForgetBeyond({100.0, 0.0, 0.0}, 5.0);
   EXPECT_TRUE(SurfelsOf(octree, key).empty());
   EXPECT_EQ(octree.num_occupied_leaves(), 0);
   for (; frame < 10; ++frame) InsertView(world, LookFrom(frame, 0, 0, 0.45, 0, 0.5), &octree, &random);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "terrain/terrain_mapper.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 #include <vector>
@@ -27,6 +28,8 @@ class Walker {
     const DisparityImage disparity = DisparityOf(world_, TestCamera(), pose, kSigma_px, &random_);
     return mapper->Update({disparity, TestCamera(), cv::Mat1b()}, pose, LevelGravity());
   }
+
+  void Change(PlaneWorld world) { world_ = std::move(world); }
 
   static Gravity LevelGravity() {
     Gravity gravity;
@@ -97,6 +100,66 @@ TEST_F(TerrainMapperTest, ANewMapKnowsNothingOfTheOldOne) {
     }
   }
   EXPECT_FALSE(mapper_.map()->regions.empty());
+}
+
+/// Area of what is level within 3 m of the origin.
+double LevelAreaAtTheOrigin(const TerrainMap& map) {
+  double area_m2 = 0.0;
+  for (const auto& region : map.regions)
+    if (region->plane_world.normal.z() > 0.9 && region->centroid_world.head<2>().norm() < 3.0)
+      area_m2 += region->area_m2;
+  return area_m2;
+}
+
+TEST_F(TerrainMapperTest, RegionsBeyondTheWindowStayAndAreTakenUpAgainWithTheirIds) {
+  PlaneWorld world = Room();
+  world.AddFloor(39, 44, -2, 2, 0);
+  Walker walker(world);
+  for (int i = 0; i < 12; ++i) walker.See(&mapper_, 0.02 * i);
+  const TerrainMapPtr before = mapper_.map();
+  ASSERT_GE(before->regions.size(), 2U);
+
+  TerrainMapper elsewhere(TerrainConfig{}, TestCamera(), std::nullopt, &meters_);
+  Walker other_walker(world);
+  for (int i = 0; i < 40; ++i) {
+    walker.See(&mapper_, 40.0 + 0.02 * i);
+    other_walker.See(&elsewhere, 40.0 + 0.02 * i);
+  }
+  for (const auto& region : before->regions)
+    EXPECT_TRUE(std::any_of(mapper_.map()->regions.begin(), mapper_.map()->regions.end(),
+                            [&](const auto& other) { return other->id == region->id; }))
+        << region->id;
+  const auto cells_elsewhere = static_cast<double>(elsewhere.Unchanged().map_cells);
+  EXPECT_NEAR(static_cast<double>(mapper_.Unchanged().map_cells), cells_elsewhere, 0.05 * cells_elsewhere)
+      << "evidence of the room is still there";
+
+  for (int i = 0; i < 20; ++i) walker.See(&mapper_, 0.02 * (i % 12));
+  for (const auto& region : before->regions)
+    EXPECT_TRUE(std::any_of(mapper_.map()->regions.begin(), mapper_.map()->regions.end(),
+                            [&](const auto& other) { return other->id == region->id; }))
+        << region->id;
+  EXPECT_NEAR(LevelAreaAtTheOrigin(*mapper_.map()), LevelAreaAtTheOrigin(*before),
+              0.05 * LevelAreaAtTheOrigin(*before))
+      << "no second copy";
+}
+
+TEST_F(TerrainMapperTest, WhatLeftWhileNobodyLookedGoesWhenThePlaceIsSeenAgain) {
+  Walker walker(Room());
+  for (int i = 0; i < 12; ++i) walker.See(&mapper_, 0.02 * i);
+  const auto has_box_top = [&] {
+    return std::any_of(mapper_.map()->regions.begin(), mapper_.map()->regions.end(), [](const auto& region) {
+      return region->plane_world.normal.z() > 0.9 && region->centroid_world.z() > 0.2;
+    });
+  };
+  ASSERT_TRUE(has_box_top());
+  PlaneWorld emptied;
+  emptied.AddFloor(-1, 4, -2, 2, 0);
+  emptied.AddFloor(39, 44, -2, 2, 0);
+  walker.Change(emptied);
+  for (int i = 0; i < 40; ++i) walker.See(&mapper_, 40.0 + 0.02 * i);
+  EXPECT_TRUE(has_box_top());
+  for (int i = 0; i < 40; ++i) walker.See(&mapper_, 0.02 * (i % 12));
+  EXPECT_FALSE(has_box_top());
 }
 
 TEST_F(TerrainMapperTest, MeasuresEachStageOncePerFrame) {
