@@ -45,6 +45,12 @@ void TerrainPublisher::PublishPose(const PoseEstimate& pose) {
   t_pose_ = pose.t_capture;
 }
 
+void TerrainPublisher::PublishTerrain(const TerrainMapPtr& map) {
+  const std::lock_guard lock(mutex_);
+  Send(sender_.Update(map, Now()));
+  map_id_ = sender_.map_id();
+}
+
 void TerrainPublisher::Answer(const terrain_repair_v1_t& repair) {
   const std::lock_guard lock(mutex_);
   Send(sender_.Answer(repair, Now()));

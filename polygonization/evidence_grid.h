@@ -21,7 +21,7 @@ namespace terrace {
 class EvidenceGrid {
  public:
   static constexpr int kBlockCells = 16;  ///< along the edge of a block
-  static constexpr int kOn = 3;           ///< from here on a cell belongs to the surface
+  static constexpr int kOn = 2;           ///< from here on a cell belongs to the surface
   static constexpr int kThrough = -4;     ///< from here on down it does not
   static constexpr int kGroupCells = 4;   ///< along the edge of a group, in which evidence is taken or not
 

@@ -17,7 +17,7 @@ constexpr double kNearest_m = 0.1;
 constexpr float kPlaneError_m = 0.004F;
 /// A pixel lies on the plane within so many sigmas and what matching errs by together; it sees through it
 /// only this much farther on.
-constexpr float kSigmas = 3.0F;
+constexpr float kSigmas = 2.0F;
 constexpr float kMatching_px = 0.1F;
 constexpr float kThroughFactor = 1.5F;
 /// A look counts by how finely its pixels lie in the plane: the number of halvings from this spacing on.

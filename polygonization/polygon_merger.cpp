@@ -91,6 +91,7 @@ class PolygonMerger::Impl {
   void Publish(PolygonUpdate* update) {
     std::vector<SurfacePiece> pieces;
     std::set<PolygonId> free_ids;
+    std::vector<SurfaceId> traced;
     std::set<SurfaceId> due = std::exchange(late_, {});
     due.insert(store_.touched().begin(), store_.touched().end());
     for (const SurfaceId id : due) {
@@ -103,19 +104,26 @@ class PolygonMerger::Impl {
           Revise(surface.polygons[i], surface, surface.pieces[i], update);
         continue;
       }
-      free_ids.insert(surface.polygons.begin(), surface.polygons.end());
-      surface.polygons.clear();
-      surface.pieces.clear();
+      if (surface.cells.empty()) {
+        free_ids.insert(surface.polygons.begin(), surface.polygons.end());
+        store_.surfaces().erase(found);
+        continue;
+      }
+      traced.push_back(id);
       surface.trace_now = false;
       surface.traced_frame = update->frame_id;
       surface.num_flipped = 0;
-      if (surface.cells.empty())
-        store_.surfaces().erase(found);
-      else if (!IsShadow(id, store_)) {
-        const Neighbours neighbours = store_.NeighboursOf(id);
-        store_.Reopen(id);
-        CutPieces(id, neighbours, store_, config_, &pieces);
-      }
+      if (IsShadow(id, store_)) continue;
+      const Neighbours neighbours = store_.NeighboursOf(id);
+      store_.Reopen(id);
+      CutPieces(id, neighbours, store_, config_, &pieces);
+    }
+    // Only now: surfaces that are traced in one frame are neighbours of each other, too.
+    for (const SurfaceId id : traced) {
+      Surface& surface = store_.surfaces().at(id);
+      free_ids.insert(surface.polygons.begin(), surface.polygons.end());
+      surface.polygons.clear();
+      surface.pieces.clear();
     }
     PublishPieces(std::move(pieces), std::move(free_ids), update);
   }

@@ -14,6 +14,16 @@ namespace {
 
 /// A polygon is larger than this many times its noise.
 constexpr double kCredibleEdge = 6.0;
+/// What hangs on a larger piece by nothing, and is smaller than this and this share of it, is a crumb: pixels
+/// at the foot of another surface that happen to agree with the plane beyond it.
+constexpr double kCrumb_m2 = 0.15;
+constexpr double kCrumbShare = 0.1;
+
+bool IsCrumb(const TracedPiece& piece, const std::vector<TracedPiece>& pieces) {
+  double largest_m2 = 0.0;
+  for (const TracedPiece& other : pieces) largest_m2 = std::max(largest_m2, other.area_m2);
+  return piece.area_m2 < std::min(kCrumb_m2, kCrumbShare * largest_m2);
+}
 
 }  // namespace
 
@@ -29,8 +39,12 @@ void CutPieces(SurfaceId id, const Neighbours& neighbours, const SurfaceStore& s
       std::move(bitmap));
   const double credible_edge = kCredibleEdge * surface.noise_m;
   std::vector<int> piece_of;  // of each that was traced; -1 when it is not published
-  for (TracedPiece& traced : tracer.Trace(lines)) {
-    if (traced.area_m2 < credible_edge * credible_edge) {
+  std::vector<TracedPiece> all = tracer.Trace(lines);
+  std::vector<bool> crumbs;
+  for (const TracedPiece& traced : all) crumbs.push_back(IsCrumb(traced, all));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    TracedPiece& traced = all[i];
+    if (traced.area_m2 < credible_edge * credible_edge || crumbs[i]) {
       piece_of.push_back(-1);
       continue;
     }
