@@ -21,7 +21,7 @@ double LengthOf(const Ring& ring) {
 RegionCensus CountRegions(const TerrainMap& map) {
   RegionCensus census;
   for (const auto& region : map.regions) {
-    if (region->predicted) continue;
+    if (region->predicted()) continue;
     ++census.count;
     census.area_m2 += region->area_m2;
     const bool narrow = 2.0 * region->area_m2 < kSliverWidth_m * LengthOf(region->outline_world);

@@ -18,7 +18,7 @@ TEST(RegionCensusTest, CountsSmallAndNarrowRegionsAsSlivers) {
   scene.polygons.push_back(Rectangle(5, "walkway", {14, 0, 0}, x, y, 25, 25));  // predicted
   TerrainMap map = MapOf(scene);
   map = WithRegion(map, 2, [](TerrainRegion& region) { region.label = TerrainLabel::kUnknown; });
-  map = WithRegion(map, 5, [](TerrainRegion& region) { region.predicted = true; });
+  map = WithRegion(map, 5, [](TerrainRegion& region) { region.source = RegionSource::kPredicted; });
   const RegionCensus census = CountRegions(map);
   EXPECT_EQ(census.count, 4);
   EXPECT_EQ(census.num_slivers, 2);
