@@ -19,7 +19,8 @@ ALLOWED = {
     "lcmtypes": ["core"],
     "client": ["core", "lcmtypes"],
     "datasets": ["core", "stereo", "lcmtypes"],
-    "evaluation": ["core", "datasets"],
+    "results": ["core"],
+    "evaluation": ["core", "datasets", "results"],
 }
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 EVERYTHING = [*ALLOWED, "daemon", "tools"]

@@ -8,10 +8,10 @@ install(TARGETS terraced terrace RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # builds on the mapper itself asks for the component `mapper`.
 install(TARGETS terrace_core terrace_lcmtypes terrace_client EXPORT terrace-client
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS terrace_parallel_for terrace_stereo terrace_odometry terrace_mapping terrace_polygonization terrace_labeling terrace_terrain terrace_datasets
+install(TARGETS terrace_parallel_for terrace_files terrace_results terrace_stereo terrace_odometry terrace_mapping terrace_polygonization terrace_labeling terrace_terrain terrace_datasets
                 terrace_evaluation terrace_image_codec
         EXPORT terrace-mapper ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-foreach(folder core lcmtypes client stereo odometry mapping polygonization labeling terrain datasets evaluation)
+foreach(folder core results lcmtypes client stereo odometry mapping polygonization labeling terrain datasets evaluation)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/terrace
           FILES_MATCHING PATTERN "*.h")
 endforeach()

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <type_traits>
+#include <vector>
 
 #include <yaml-cpp/yaml.h>
 
@@ -21,6 +23,8 @@ const char* TypeName(bool) { return "true or false"; }
 const char* TypeName(int) { return "a whole number"; }
 const char* TypeName(double) { return "a number"; }
 const char* TypeName(const std::string&) { return "text"; }
+const char* TypeName(const std::optional<double>&) { return "a number or null"; }
+const char* TypeName(const std::vector<double>&) { return "a list of numbers"; }
 
 std::string Print(bool value) { return value ? "true" : "false"; }
 std::string Print(int value) { return std::to_string(value); }
@@ -37,6 +41,46 @@ std::string Print(const std::string& value) {
     quoted += c;
   }
   return quoted + '"';
+}
+
+std::string Print(const std::optional<double>& value) { return value ? Print(*value) : "null"; }
+std::string Print(const std::vector<double>& values) {
+  std::string text = "[";
+  for (const double value : values) text += (text.size() > 1 ? ", " : "") + Print(value);
+  return text + "]";
+}
+
+/// Takes a value of the file; false: it is none of this type.
+template <typename T>
+bool Take(const YAML::Node& node, T* field) {
+  T value{};
+  if (!node.IsScalar() || !YAML::convert<T>::decode(node, value)) return false;
+  // A number that is not one can only come from a mistake.
+  if constexpr (std::is_same_v<T, double>) {
+    if (!std::isfinite(value)) return false;
+  }
+  *field = value;
+  return true;
+}
+bool Take(const YAML::Node& node, std::optional<double>* field) {
+  if (node.IsNull() || (node.IsScalar() && node.Scalar().empty())) {
+    field->reset();
+    return true;
+  }
+  double value = 0.0;
+  if (!Take(node, &value)) return false;
+  *field = value;
+  return true;
+}
+bool Take(const YAML::Node& node, std::vector<double>* field) {
+  if (!node.IsSequence()) return false;
+  std::vector<double> values;
+  for (const YAML::Node& item : node) {
+    values.push_back(0.0);
+    if (!Take(item, &values.back())) return false;
+  }
+  *field = values;
+  return true;
 }
 
 /// One key of the file, bound to its field.
@@ -56,6 +100,7 @@ class Binding {
   explicit Binding(Config* config) {
     PipelineConfig& p = config->pipeline;
     Bind("pipeline", &p.flow);
+    Bind("camera.mounting", &p.mounting);
     Bind("stereo", &p.rectifier);
     Bind("stereo", &p.stereo);
     Bind("odometry", &p.odometry);
@@ -82,7 +127,7 @@ class Binding {
 
   bool HasSection(const std::string& section) const {
     for (const Key& key : keys_) {
-      if (key.section == section) return true;
+      if (key.section == section || key.section.rfind(section + ".", 0) == 0) return true;
     }
     return false;
   }
@@ -101,19 +146,8 @@ class Binding {
   void Bind(const std::string& section, Settings* settings) {
     checks_.emplace_back(section, [settings] { return settings->Problems(); });
     VisitFields(*settings, [&](const char* name, auto& field, const char* comment) {
-      using T = std::decay_t<decltype(field)>;
       keys_.push_back({section, name, comment, [&field] { return Print(field); },
-                       [&field](const YAML::Node& node) {
-                         T value{};
-                         if (!node.IsScalar() || !YAML::convert<T>::decode(node, value)) return false;
-                         // A number that is not one can only come from a mistake.
-                         if constexpr (std::is_same_v<T, double>) {
-                           if (!std::isfinite(value)) return false;
-                         }
-                         field = value;
-                         return true;
-                       },
-                       TypeName(field)});
+                       [&field](const YAML::Node& node) { return Take(node, &field); }, TypeName(field)});
     });
   }
 
@@ -143,25 +177,34 @@ class Loader {
       problems_.push_back(file.string() + ": must hold sections, each with its keys");
       return;
     }
-    for (const auto& section : root) {
-      const auto name = section.first.as<std::string>("");
-      const std::string where = Where(file, section.first);
-      if (!binding_.HasSection(name)) {
-        problems_.push_back(where + ": there is no section '" + name + "'");
-      } else if (section.second.IsMap()) {
-        for (const auto& entry : section.second) {
-          Set(name, entry.first.as<std::string>(""), entry.second, Where(file, entry.first));
+    for (const auto& section : root)
+      ReadSection(file, section.first.as<std::string>(""), section.first, section.second);
+  }
+
+  /// A section holds keys, or sections of its own.
+  void ReadSection(const std::filesystem::path& file, const std::string& name, const YAML::Node& key,
+                   const YAML::Node& content) {
+    const std::string where = Where(file, key);
+    if (!binding_.HasSection(name)) {
+      problems_.push_back(where + ": there is no section '" + name + "'");
+    } else if (content.IsMap()) {
+      for (const auto& entry : content) {
+        const std::string inner = entry.first.as<std::string>("");
+        if (entry.second.IsMap() && binding_.HasSection(name + "." + inner)) {
+          ReadSection(file, name + "." + inner, entry.first, entry.second);
+        } else {
+          Set(name, inner, entry.second, Where(file, entry.first));
         }
-      } else if (!section.second.IsNull()) {
-        problems_.push_back(where + ": section '" + name + "' must hold keys");
       }
+    } else if (!content.IsNull()) {
+      problems_.push_back(where + ": section '" + name + "' must hold keys");
     }
   }
 
   void ReadSetting(const std::string& setting) {
     const std::string where = "--set " + setting;
     const std::size_t equals = setting.find('=');
-    const std::size_t dot = setting.find('.');
+    const std::size_t dot = setting.rfind('.', equals);
     if (equals == std::string::npos || dot == std::string::npos || dot > equals) {
       problems_.push_back(where + ": must read section.key=value");
       return;
@@ -239,17 +282,20 @@ std::string PrintConfig(const Config& config) {
       "an error.\n";
   std::string section;
   for (const Key& key : binding.keys()) {
+    const std::size_t dot = key.section.find('.');
+    const std::string indent = dot == std::string::npos ? "  " : "    ";
     if (key.section != section) {
       section = key.section;
-      text += "\n" + section + ":\n";
+      text += "\n" + section.substr(0, dot) + ":\n";
+      if (dot != std::string::npos) text += "  " + section.substr(dot + 1) + ":\n";
     }
     std::size_t begin = 0;
     while (begin < key.comment.size()) {
       const std::size_t end = std::min(key.comment.find('\n', begin), key.comment.size());
-      text += "  # " + key.comment.substr(begin, end - begin) + "\n";
+      text += indent + "# " + key.comment.substr(begin, end - begin) + "\n";
       begin = end + 1;
     }
-    text += "  " + key.name + ": " + key.print() + "\n";
+    text += indent + key.name + ": " + key.print() + "\n";
   }
   return text;
 }

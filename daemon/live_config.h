@@ -11,17 +11,18 @@ struct LiveConfig {
   /// LCM provider. A receive buffer of 2 MB keeps images whole; net.core.rmem_max must allow it
   /// (config/60-terrace-lcm.conf).
   std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
-  /// Folder with `mav0/cam0/sensor.yaml`, `mav0/cam1/sensor.yaml` and, with an IMU, `mav0/imu0/sensor.yaml`
-  /// as EuRoC sequences have them: the calibration of the rig. Empty: it comes as a message.
-  std::string calibration_folder = "";
+  /// Calibration of the rig, as files of any tool or device that `terrace calibration` reads, several of them with
+  /// commas between, or a folder that holds mav0/. Empty: it comes as a message.
+  std::string calibration = "";
   /// How long a pair of images waits for IMU samples up to its own time, which often arrive a little later.
   double imu_wait_ms = 100.0;
   /// IMU samples further apart than this count as a gap.
   double imu_gap_ms = 50.0;
   /// A time stamp this far ahead of the last one is believed only when the next one agrees.
   double max_time_jump_s = 10.0;
-  /// The whole map is sent again after this time, for subscribers that lost something.
-  double snapshot_period_s = 5.0;
+  /// The whole map is sent again after this time, for logs and subscribers that cannot ask for what they
+  /// lack.
+  double snapshot_period_s = 60.0;
   /// A map that is out later than this after its images were taken has missed its deadline, which is counted.
   double deadline_ms = 250.0;
   /// Folder into which the command SAVE_MAP may write; empty: into that of --output, if there is one.

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live_input.h"
 
+#include <algorithm>
 #include <exception>
 #include <stdexcept>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
-#include "lcmtypes/codec.h"
+#include "lcmtypes/calibration_codec.h"
 #include "lcmtypes/image_codec.h"
 #include "lcmtypes/safe_decode.h"
+#include "lcmtypes/sensor_codec.h"
 #include "lcmtypes/subscribe.h"
 
 namespace terrace {
@@ -25,56 +27,88 @@ std::string SizeText(int width, int height) { return std::to_string(width) + "x"
 }  // namespace
 
 LiveInput::LiveInput(lcm::LCM* lcm, const ChannelConfig& channels, const LiveConfig& config,
-                     std::optional<StereoCalibration> calibration, OnCommand on_command)
+                     std::optional<StereoCalibration> calibration, OnCommand on_command, OnRepair on_repair)
     : lcm_(lcm),
       body_pose_kind_(channels.body_pose_prior()),
       on_command_(std::move(on_command)),
+      on_repair_(std::move(on_repair)),
       calibration_(std::move(calibration)),
-      assembler_(config) {
-  Listen<&LiveInput::OnImages>(channels.images, kImageCapacity);
-  if (!calibration_) Listen<&LiveInput::OnCalibration>(channels.calibration, kOtherCapacity);
-  Listen<&LiveInput::OnImu>(channels.imu, kSampleCapacity);
-  Listen<&LiveInput::OnBodyPrior>(channels.body_prior, kSampleCapacity);
-  if (!channels.body_pose.empty()) Listen<&LiveInput::OnBodyPose>(channels.body_pose, kSampleCapacity);
-  Listen<&LiveInput::OnCommandMessage>(channels.command, kOtherCapacity);
+      assembler_(config),
+      images_{"images", channels.images},
+      calibrations_{"calibration", calibration_ ? std::string() : channels.calibration},
+      imu_{"imu", channels.imu},
+      body_prior_{"body_prior", channels.body_prior},
+      body_pose_{"body_pose", channels.body_pose},
+      command_{"command", channels.command},
+      repair_{"repair", channels.repair} {
+  Listen<&LiveInput::OnImages>(images_, kImageCapacity);
+  Listen<&LiveInput::OnCalibration>(calibrations_, kOtherCapacity);
+  Listen<&LiveInput::OnImu>(imu_, kSampleCapacity);
+  Listen<&LiveInput::OnBodyPrior>(body_prior_, kSampleCapacity);
+  Listen<&LiveInput::OnBodyPose>(body_pose_, kSampleCapacity);
+  Listen<&LiveInput::OnCommandMessage>(command_, kOtherCapacity);
+  Listen<&LiveInput::OnRepairMessage>(repair_, kOtherCapacity);
 }
 
 LiveInput::~LiveInput() {
   for (lcm::Subscription* subscription : subscriptions_) lcm_->unsubscribe(subscription);
 }
 
+/// An input without a channel is none.
 template <auto method>
-void LiveInput::Listen(const std::string& channel, int capacity) {
-  lcm::Subscription* subscription = Subscribe<method>(lcm_, channel, this);
-  if (subscription == nullptr) throw std::runtime_error("cannot listen on " + channel);
+void LiveInput::Listen(const Input& input, int capacity) {
+  if (input.channel.empty()) return;
+  lcm::Subscription* subscription = Subscribe<method>(lcm_, input.channel, this);
+  if (subscription == nullptr) throw std::runtime_error("cannot listen on " + input.channel);
   subscription->setQueueCapacity(capacity);
   subscriptions_.push_back(subscription);
 }
 
 template <typename Message, typename Use>
-void LiveInput::Decode(Buffer* buffer, Use use) {
+void LiveInput::Decode(Input* input, Buffer* buffer, Use use) {
+  ++input->num_messages;
+  ++input->num_in_window;
+  bool good = false;
   try {
     const std::optional<Message> message = SafeDecode<Message>(buffer->data, buffer->data_size);
-    if (!message || !use(*message)) ++num_decode_errors_;
+    good = message && use(*message);
   } catch (const std::exception& error) {
-    ++num_decode_errors_;
     spdlog::error("a message could not be used: {}", error.what());
+  }
+  if (good) {
+    input->t_last = Clock::now();
+  } else {
+    ++input->num_bad;
+    ++num_decode_errors_;
   }
 }
 
+std::vector<InputStatus> LiveInput::TakeInputs() {
+  const auto now = Clock::now();
+  const double window_s = std::max(1e-3, std::chrono::duration<double>(now - window_start_).count());
+  window_start_ = now;
+  std::vector<InputStatus> inputs;
+  for (Input* input : {&images_, &calibrations_, &imu_, &body_prior_, &body_pose_, &command_, &repair_}) {
+    if (input->channel.empty()) continue;
+    InputStatus status{input->name, input->channel, input->num_messages, input->num_bad, 0.0, std::nullopt};
+    status.rate_hz = static_cast<double>(std::exchange(input->num_in_window, 0)) / window_s;
+    if (input->t_last)
+      status.age_ms = std::chrono::duration<double, std::milli>(now - *input->t_last).count();
+    inputs.push_back(std::move(status));
+  }
+  return inputs;
+}
+
 void LiveInput::OnImages(Buffer* buffer, const std::string&) {
-  Decode<images_t>(buffer, [this](const images_t& message) {
+  Decode<images_t>(&images_, buffer, [this](const images_t& message) {
     if (!CaptureTime(message)) return false;
-    const auto now = std::chrono::steady_clock::now();
-    pair_arrived_ = now;
-    ++num_pairs_;
-    if (calibration_) assembler_.Add(FromMessage(message), now);
+    if (calibration_) assembler_.Add(FromMessage(message), Clock::now());
     return true;
   });
 }
 
 void LiveInput::OnCalibration(Buffer* buffer, const std::string& channel) {
-  Decode<calibration_v1_t>(buffer, [&](const calibration_v1_t& message) {
+  Decode<calibration_v1_t>(&calibrations_, buffer, [&](const calibration_v1_t& message) {
     if (calibration_) {
       if (message.content_hash != content_hash_ && !std::exchange(change_said_, true)) {
         spdlog::warn("the calibration on {} has changed; the one of before stays in use until a restart",
@@ -101,7 +135,7 @@ void LiveInput::OnCalibration(Buffer* buffer, const std::string& channel) {
 }
 
 void LiveInput::OnImu(Buffer* buffer, const std::string&) {
-  Decode<imu_v1_t>(buffer, [this](const imu_v1_t& message) {
+  Decode<imu_v1_t>(&imu_, buffer, [this](const imu_v1_t& message) {
     const std::optional<ImuSample> sample = FromMessage(message);
     if (sample) assembler_.Add(*sample, std::chrono::steady_clock::now());
     return sample.has_value();
@@ -109,7 +143,7 @@ void LiveInput::OnImu(Buffer* buffer, const std::string&) {
 }
 
 void LiveInput::OnBodyPrior(Buffer* buffer, const std::string&) {
-  Decode<body_prior_v1_t>(buffer, [this](const body_prior_v1_t& message) {
+  Decode<body_prior_v1_t>(&body_prior_, buffer, [this](const body_prior_v1_t& message) {
     const std::optional<BodyPrior> prior = FromMessage(message);
     if (prior) assembler_.Add(*prior);
     return prior.has_value();
@@ -117,7 +151,7 @@ void LiveInput::OnBodyPrior(Buffer* buffer, const std::string&) {
 }
 
 void LiveInput::OnBodyPose(Buffer* buffer, const std::string&) {
-  Decode<pose_t>(buffer, [this](const pose_t& message) {
+  Decode<pose_t>(&body_pose_, buffer, [this](const pose_t& message) {
     const std::optional<BodyPrior> prior = PriorFromPose(message, body_pose_kind_);
     if (prior) assembler_.Add(*prior);
     return prior.has_value();
@@ -125,8 +159,15 @@ void LiveInput::OnBodyPose(Buffer* buffer, const std::string&) {
 }
 
 void LiveInput::OnCommandMessage(Buffer* buffer, const std::string&) {
-  Decode<command_v1_t>(buffer, [this](const command_v1_t& message) {
+  Decode<command_v1_t>(&command_, buffer, [this](const command_v1_t& message) {
     on_command_(message);
+    return true;
+  });
+}
+
+void LiveInput::OnRepairMessage(Buffer* buffer, const std::string&) {
+  Decode<terrain_repair_v1_t>(&repair_, buffer, [this](const terrain_repair_v1_t& message) {
+    on_repair_(message);
     return true;
   });
 }

@@ -10,25 +10,28 @@
 
 #include <lcm/lcm-cpp.hpp>
 #include <terrace/command_v1_t.hpp>
+#include <terrace/terrain_repair_v1_t.hpp>
 
 #include "core/camera.h"
 #include "core/sensor_frame.h"
+#include "core/status.h"
 #include "daemon/frame_assembler.h"
 #include "daemon/live_config.h"
 #include "lcmtypes/channels.h"
 
 namespace terrace {
 
-/// Listens to images, calibration, IMU, priors and commands on LCM and makes sensor frames of them. Works
-/// inside lcm.handle(): its handlers check, decode, queue and return, and nothing throws out of them. `lcm`
-/// must outlive it.
+/// Listens to images, calibration, IMU, priors, commands and repairs on LCM and makes sensor frames of them.
+/// Works inside lcm.handle(): its handlers check, decode, queue and return, and nothing throws out of them.
+/// `lcm` must outlive it.
 class LiveInput {
  public:
   using OnCommand = std::function<void(const command_v1_t&)>;
+  using OnRepair = std::function<void(const terrain_repair_v1_t&)>;
 
   /// @param calibration  known beforehand; none: it comes as a message
   LiveInput(lcm::LCM* lcm, const ChannelConfig& channels, const LiveConfig& config,
-            std::optional<StereoCalibration> calibration, OnCommand on_command);
+            std::optional<StereoCalibration> calibration, OnCommand on_command, OnRepair on_repair);
   ~LiveInput();
   LiveInput(const LiveInput&) = delete;
   LiveInput& operator=(const LiveInput&) = delete;
@@ -44,9 +47,12 @@ class LiveInput {
   std::optional<SensorFrame> NextAny();
 
   /// Since the last pair arrived, or since the start.
-  std::chrono::nanoseconds silence() const { return std::chrono::steady_clock::now() - pair_arrived_; }
+  std::chrono::nanoseconds silence() const {
+    return std::chrono::steady_clock::now() - images_.t_last.value_or(start_);
+  }
+  /// How each input fares; rates are over the time since the last call.
+  std::vector<InputStatus> TakeInputs();
 
-  std::int64_t num_pairs() const { return num_pairs_; }
   std::int64_t num_bad_frames() const { return num_bad_frames_; }
   std::int64_t num_decode_errors() const { return num_decode_errors_; }
   std::int64_t num_time_jumps() const { return assembler_.num_time_jumps(); }
@@ -54,6 +60,17 @@ class LiveInput {
 
  private:
   using Buffer = const lcm::ReceiveBuffer;
+  using Clock = std::chrono::steady_clock;
+
+  /// What one channel has brought.
+  struct Input {
+    std::string name;
+    std::string channel;
+    std::int64_t num_messages = 0;
+    std::int64_t num_bad = 0;
+    std::int64_t num_in_window = 0;
+    std::optional<Clock::time_point> t_last;  // of the newest good one
+  };
 
   void OnImages(Buffer* buffer, const std::string& channel);
   void OnCalibration(Buffer* buffer, const std::string& channel);
@@ -61,23 +78,32 @@ class LiveInput {
   void OnBodyPrior(Buffer* buffer, const std::string& channel);
   void OnBodyPose(Buffer* buffer, const std::string& channel);
   void OnCommandMessage(Buffer* buffer, const std::string& channel);
+  void OnRepairMessage(Buffer* buffer, const std::string& channel);
   template <typename Message, typename Use>
-  void Decode(Buffer* buffer, Use use);
+  void Decode(Input* input, Buffer* buffer, Use use);
   template <auto method>
-  void Listen(const std::string& channel, int capacity);
+  void Listen(const Input& input, int capacity);
   void CheckSize(SensorFrame* frame);
 
   lcm::LCM* const lcm_;
   const PriorKind body_pose_kind_;
   const OnCommand on_command_;
+  const OnRepair on_repair_;
   std::optional<StereoCalibration> calibration_;
   std::string content_hash_;  // of the calibration message in use
   std::string calibration_problem_;
   bool change_said_ = false;
   FrameAssembler assembler_;
   std::vector<lcm::Subscription*> subscriptions_;
-  std::chrono::steady_clock::time_point pair_arrived_ = std::chrono::steady_clock::now();
-  std::int64_t num_pairs_ = 0;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point window_start_ = start_;
+  Input images_;
+  Input calibrations_;
+  Input imu_;
+  Input body_prior_;
+  Input body_pose_;
+  Input command_;
+  Input repair_;
   std::int64_t num_bad_frames_ = 0;
   std::int64_t num_decode_errors_ = 0;
 };

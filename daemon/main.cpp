@@ -65,6 +65,12 @@ int Run(int argc, char** argv) {
                    "EuRoC ASL folder, KITTI odometry folder or LCM log")
       ->required();
   replay->add_option("--output", arguments.replay.output, "Folder for the result files")->required();
+  replay
+      ->add_option("--calibration", arguments.replay.calibration,
+                   "Calibration files of any tool or device to use instead of the sequence's own: "
+                   "left.yaml,right.yaml")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   replay->add_flag("--overwrite", arguments.replay.overwrite,
                    "Replace the results of an earlier run in that folder");
   replay

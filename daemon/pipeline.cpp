@@ -7,20 +7,6 @@
 #include "core/check.h"
 
 namespace terrace {
-namespace {
-
-Mounting MountingOf(const StereoCalibration& calibration, const Eigen::Matrix3d& R_rect_raw) {
-  Mounting mounting;
-  mounting.imu_noise = calibration.imu_noise;
-  if (!calibration.T_body_rawleft) return mounting;
-  Eigen::Isometry3d T_rawleft_left = Eigen::Isometry3d::Identity();
-  T_rawleft_left.linear() = R_rect_raw.transpose();
-  mounting.T_body_left = *calibration.T_body_rawleft * T_rawleft_left;
-  if (calibration.T_body_imu) mounting.T_left_imu = mounting.T_body_left->inverse() * *calibration.T_body_imu;
-  return mounting;
-}
-
-}  // namespace
 
 std::vector<std::string> FlowConfig::Problems() const {
   std::vector<std::string> problems;
@@ -32,24 +18,26 @@ std::vector<std::string> FlowConfig::Problems() const {
 }
 
 Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibration,
-                   const cv::Mat1b& self_mask)
+                   const cv::Mat1b& self_mask, Pace pace)
     : config_(config),
       rectifier_(calibration, config.rectifier),
-      mounting_(MountingOf(calibration, rectifier_.R_rect_raw())),
+      mounting_(MountingOf(config.mounting, calibration, rectifier_.R_rect_raw())),
       self_mask_(self_mask),
       matcher_(config.stereo),
       odometry_(config.odometry, rectifier_.camera(), mounting_),
       mapper_(config.terrain, rectifier_.camera(), mounting_.T_body_left, &meters_),
-      gravity_hints_(config.flow.feedback_lag_frames),
-      disparity_priors_(config.flow.feedback_lag_frames) {
+      gravity_hints_(config.flow.feedback_lag_frames, pace == Pace::kEveryFrame),
+      disparity_priors_(config.flow.feedback_lag_frames, pace == Pace::kEveryFrame) {
   TERRACE_CHECK(self_mask.empty() || (self_mask.cols == camera().width && self_mask.rows == camera().height),
                 self_mask.cols, self_mask.rows);
 }
 
-FrameResult Pipeline::Process(const SensorFrame& sensors) {
+FrameResult Pipeline::Process(const SensorFrame& sensors,
+                              const std::function<void(const PoseEstimate&)>& on_pose) {
   const StereoFramePtr frame = Rectify(sensors);
   const auto disparity = Match(frame);
   const TrackedPose tracked = Track(sensors, frame);  // beside the matcher when threaded
+  if (on_pose) on_pose(tracked.pose);
   return Map(disparity, tracked);
 }
 
@@ -87,7 +75,7 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   if (reset_requested_.exchange(false) || new_world) mapper_.Reset();
   // A pose that is bridged or in doubt is a guess: it tells the robot where it is, but nothing is built on
   // it.
-  const bool mapped = tracked.pose.trusted && disparity;
+  const bool mapped = tracked.pose.trusted && disparity && !map_paused_;
   FrameResult result;
   result.pose = tracked.pose;
   result.change = mapped ? mapper_.Update({*disparity, camera(), self_mask_}, tracked.pose, tracked.gravity)

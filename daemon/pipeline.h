@@ -2,7 +2,7 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,6 +35,13 @@ struct TrackedPose {
   std::vector<std::string> warnings;  ///< new with this frame, a sentence each
 };
 
+/// Which frames are mapped, and who waits for whom.
+enum class Pace {
+  kEveryFrame,  ///< all of them; stages wait for one another, and the map is the same for any number of
+                ///< threads
+  kNewest,      ///< the newest that there is time for; the pose waits for nobody
+};
+
 /// What one frame led to.
 struct FrameResult {
   PoseEstimate pose;                                ///< always, also when lost
@@ -43,6 +50,7 @@ struct FrameResult {
   std::shared_ptr<const DisparityImage> disparity;  ///< likewise
   FrameSightings sightings;                         ///< landmarks of the odometry
   std::vector<std::string> warnings;                ///< for the user, new with this frame, a sentence each
+  std::optional<double> latency_ms;  ///< from being handed over to the map being there; only at Pace::kNewest
 };
 
 /// The stages of the mapper, bound to one camera. Process() is the way of a frame; ThreadedPipeline binds the
@@ -50,25 +58,35 @@ struct FrameResult {
 class Pipeline {
  public:
   /// @param self_mask  CV_8UC1 of the rectified left image's size, 0 where the robot sees itself; empty: none
-  Pipeline(const PipelineConfig& config, const StereoCalibration& calibration, const cv::Mat1b& self_mask);
+  Pipeline(const PipelineConfig& config, const StereoCalibration& calibration, const cv::Mat1b& self_mask,
+           Pace pace = Pace::kEveryFrame);
 
-  FrameResult Process(const SensorFrame& sensors);
+  /// @param on_pose  called as soon as the pose is known
+  FrameResult Process(const SensorFrame& sensors,
+                      const std::function<void(const PoseEstimate&)>& on_pose = {});
 
   /// The rectified pair; null when the images cannot be used.
   StereoFramePtr Rectify(const SensorFrame& sensors);
   /// Null when there is no frame.
   std::shared_ptr<const DisparityImage> Match(const StereoFramePtr& frame);
   TrackedPose Track(const SensorFrame& sensors, const StereoFramePtr& frame);
+  /// @param disparity  null: the frame is not mapped
   FrameResult Map(const std::shared_ptr<const DisparityImage>& disparity, const TrackedPose& tracked);
 
   /// Starts the map anew with the next frame; the odometry and the world frame go on. From any thread.
   void RequestMapReset() { reset_requested_ = true; }
+  /// While the map is paused, frames have a pose but are not mapped. From any thread.
+  void PauseMap(bool paused) { map_paused_ = paused; }
 
   const StereoCamera& camera() const { return rectifier_.camera(); }
   const Eigen::Matrix3d& R_rect_raw() const { return rectifier_.R_rect_raw(); }
   const std::optional<Eigen::Isometry3d>& T_body_left() const { return mounting_.T_body_left; }
   const Gravity& gravity() const { return odometry_.gravity(); }
   StageMeters& meters() { return meters_; }
+  /// What the map had learnt and an earlier stage did not wait for; always 0 at Pace::kEveryFrame.
+  std::int64_t num_lessons_skipped() const {
+    return gravity_hints_.num_skipped() + disparity_priors_.num_skipped();
+  }
   /// No step is left waiting for what a later one learns.
   void CloseFeedback();
 
@@ -90,8 +108,9 @@ class Pipeline {
   FeedbackExchange<std::optional<GravityHint>> gravity_hints_;
   FeedbackExchange<std::shared_ptr<const DisparityPrior>> disparity_priors_;  // only with stereo.use_prior
   std::optional<PoseEstimate> last_tracked_;                                  // of the thread that maps
-  int epoch_ = 0;  // of the thread that maps
+  int epoch_ = 0;                                                             // of the thread that maps
   std::atomic<bool> reset_requested_{false};
+  std::atomic<bool> map_paused_{false};
 };
 
 }  // namespace terrace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "daemon/flow_config.h"
+#include "odometry/mounting.h"
 #include "odometry/odometry_config.h"
 #include "stereo/disparity_matcher.h"
 #include "stereo/rectifier.h"
@@ -12,6 +13,7 @@ namespace terrace {
 /// The settings of every stage.
 struct PipelineConfig {
   FlowConfig flow;
+  MountingConfig mounting;
   RectifierConfig rectifier;
   DisparityConfig stereo;
   OdometryConfig odometry;

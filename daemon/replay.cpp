@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/replay.h"
 
+#include <algorithm>
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -12,68 +12,140 @@
 #include <lcm/lcm-cpp.hpp>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
+#include <terrace/terrain_repair_v1_t.hpp>
 
-#include "daemon/handover_times.h"
 #include "daemon/interrupt.h"
-#include "daemon/pipeline.h"
-#include "daemon/progress.h"
-#include "daemon/result_writer.h"
-#include "daemon/self_mask.h"
+#include "daemon/mapper_run.h"
+#include "daemon/sinks.h"
 #include "daemon/status_reporter.h"
-#include "daemon/summary.h"
 #include "daemon/terrain_publisher.h"
-#include "daemon/threaded_pipeline.h"
-#include "daemon/track_writer.h"
+#include "datasets/calibration_file.h"
 #include "datasets/sequence.h"
+#include "lcmtypes/safe_decode.h"
+#include "lcmtypes/subscribe.h"
 
 namespace terrace {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
-/// Sleeps until the frame's recorded distance from the first one has passed; false when interrupted.
-bool WaitForRecordedTime(Clock::time_point start, Timestamp t_first, Timestamp t_capture) {
-  const auto due = start + (t_capture - t_first);
-  while (Clock::now() < due) {
-    if (Interrupted()) return false;
-    std::this_thread::sleep_for(std::min<Clock::duration>(due - Clock::now(), std::chrono::milliseconds(50)));
+/// Frames of a recording; at their recorded times where that is wanted.
+class SequenceSource {
+ public:
+  SequenceSource(Sequence* sequence, bool realtime, StageMeters* meters)
+      : sequence_(sequence), realtime_(realtime), meters_(meters) {}
+
+  /// None at the end, and after an interrupt.
+  std::optional<SensorFrame> Next() {
+    if (Interrupted()) return std::nullopt;
+    std::optional<SensorFrame> frame = [this] {
+      const StageMeasurement measuring(meters_, StageId::kLoad);
+      return sequence_->Next();
+    }();
+    if (frame && realtime_ && !WaitUntil(start_ + (frame->pair.t_capture - sequence_->info().t_first)))
+      return std::nullopt;
+    return frame;
   }
-  return true;
-}
 
-/// Publishes a replay as the live daemon would: every frame, and a status once a second.
-class ReplayPublisher {
+ private:
+  /// False when interrupted.
+  static bool WaitUntil(SteadyClock::time_point due) {
+    while (SteadyClock::now() < due) {
+      if (Interrupted()) return false;
+      std::this_thread::sleep_for(
+          std::min<SteadyClock::duration>(due - SteadyClock::now(), std::chrono::milliseconds(50)));
+    }
+    return true;
+  }
+
+  Sequence* const sequence_;
+  const bool realtime_;
+  StageMeters* const meters_;
+  const SteadyClock::time_point start_ = SteadyClock::now();
+};
+
+/// Publishes a replay as the live daemon would: every frame, a status once a second, and what subscribers
+/// lack.
+class ReplayPublisher : public FrameSink {
  public:
   ReplayPublisher(const std::string& url, const Config& config, Pipeline* pipeline)
       : pipeline_(pipeline),
         lcm_(url),
         publisher_(&lcm_, config.channels, pipeline->T_body_left(), config.live.snapshot_period_s),
-        reporter_(InputSource::kReplay, ConfigHash(config), config.live.deadline_ms) {
+        reporter_(&lcm_, config.channels.status, InputSource::kReplay, ConfigHash(config),
+                  config.live.deadline_ms) {
     if (!lcm_.good()) throw std::runtime_error("--publish " + url + ": cannot be opened");
+    Subscribe<&ReplayPublisher::OnRepair>(&lcm_, config.channels.repair, this);
   }
 
-  void Publish(const FrameResult& result, std::optional<double> latency_ms) {
-    publisher_.Publish(result.pose, result.change.map);
+  void AddPose(const PoseEstimate& pose) override {
+    publisher_.PublishPose(pose);
     reporter_.AddFrameIn();
-    reporter_.AddResult(result, latency_ms.value_or(0.0));
-    if (Clock::now() < status_due_) return;
-    status_due_ = Clock::now() + std::chrono::seconds(1);
-    publisher_.Publish(reporter_.Take(DaemonState::kRunning, &pipeline_->meters()));
+    reporter_.AddPose(pose);
   }
 
-  /// For subscribers that missed the last change.
-  void Finish() {
+  void AddFrame(const FrameResult& result) override {
+    publisher_.PublishTerrain(result.change.map);
+    HandleAll();
+    reporter_.AddResult(result);
+    if (SteadyClock::now() < status_due_) return;
+    status_due_ = SteadyClock::now() + std::chrono::seconds(1);
+    Report(DaemonState::kRunning);
+  }
+
+  /// Stays until nobody has lacked anything for a while.
+  void Finish(const RunTotals&) override {
+    constexpr std::chrono::milliseconds kQuiet(250);
+    constexpr std::chrono::seconds kPatience(5);
     publisher_.SendSnapshot();
-    publisher_.Publish(reporter_.Take(DaemonState::kStopping, &pipeline_->meters()));
+    const auto end = SteadyClock::now() + kPatience;
+    t_repair_ = SteadyClock::now();
+    while (!Interrupted() && SteadyClock::now() < end &&
+           (publisher_.sending_snapshot() || SteadyClock::now() - t_repair_ < kQuiet)) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      HandleAll();
+      publisher_.Tick();
+    }
+    Report(DaemonState::kStopping);
   }
 
  private:
+  void HandleAll() {
+    while (lcm_.handleTimeout(0) > 0) {
+    }
+  }
+
+  void OnRepair(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    const auto repair = SafeDecode<terrain_repair_v1_t>(buffer->data, buffer->data_size);
+    if (!repair) return;
+    publisher_.Answer(*repair);
+    t_repair_ = SteadyClock::now();
+  }
+
+  void Report(DaemonState state) {
+    Status status = reporter_.Take(state, &pipeline_->meters());
+    publisher_.Describe(&status);
+    reporter_.Send(status);
+  }
+
   Pipeline* const pipeline_;
   lcm::LCM lcm_;
   TerrainPublisher publisher_;
   StatusReporter reporter_;
-  Clock::time_point status_due_;
+  SteadyClock::time_point status_due_;
+  SteadyClock::time_point t_repair_;
 };
+
+/// Of the sequence, or of the files that replace it.
+StereoCalibration CalibrationOf(const SequenceInfo& info, const ReplayOptions& options) {
+  if (options.calibration.empty()) return info.calibration;
+  RigOptions rig_options;
+  rig_options.size = {info.calibration.width, info.calibration.height};
+  std::vector<std::string> notes;
+  StereoCalibration calibration = ReadRig(options.calibration, &notes, rig_options);
+  for (const std::string& note : notes) spdlog::warn("{}", note);
+  return calibration;
+}
 
 }  // namespace
 
@@ -84,66 +156,24 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   const SequenceInfo& info = sequence->info();
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
 
-  Pipeline pipeline(config.pipeline, info.calibration,
-                    LoadSelfMask(config.pipeline.terrain.robot.self_mask_png,
-                                 RectifiedSize(info.calibration, config.pipeline.rectifier)));
+  MapperRun run(config.pipeline, CalibrationOf(info, options),
+                options.realtime ? Pace::kNewest : Pace::kEveryFrame,
+                options.num_threads == 1 && !options.realtime);
   PrepareOutputFolder(options.output, options.overwrite);
-  ResultWriter writer(options.output, {pipeline.camera(), pipeline.R_rect_raw(), pipeline.T_body_left()},
-                      options.save_disparity_every);
-  std::optional<TrackWriter> tracks;
+  run.Add(std::make_unique<WarningLog>());
+  if (!options.publish_url.empty())
+    run.Add(std::make_unique<ReplayPublisher>(options.publish_url, config, &run.pipeline()));
+  const ResultFiles* files =
+      run.Add(std::make_unique<ResultFiles>(options.output, run.pipeline(), options.save_disparity_every));
   if (options.num_track_pictures > 0)
-    tracks.emplace(options.output, options.num_track_pictures, info.num_frames);
-  RunSummary summary(info);
-  std::optional<ReplayPublisher> publisher;
-  if (!options.publish_url.empty()) publisher.emplace(options.publish_url, config, &pipeline);
-  Progress progress(info.num_frames);
-  HandoverTimes handovers;
-  const auto start = Clock::now();
+    run.Add(std::make_unique<TrackFiles>(options.output, options.num_track_pictures, info.num_frames));
+  run.Add(std::make_unique<ReplayReport>(info, files, options.output));
 
-  const auto sink = [&](const SensorFrame&, const FrameResult& result) {
-    for (const std::string& warning : result.warnings) spdlog::warn("{}", warning);
-    {
-      const StageMeasurement measuring(&pipeline.meters(), StageId::kPublish);
-      const auto latency_ms =
-          options.realtime ? std::optional(handovers.LatencyMs(result.pose.t_capture)) : std::nullopt;
-      if (publisher) publisher->Publish(result, latency_ms);
-      writer.AddFrame(result, latency_ms);
-      if (tracks) tracks->AddFrame(result);
-    }
-    summary.AddFrame(result);
-    progress.Update(writer.num_frames(), Name(result.pose.status));
-  };
-  const auto next_frame = [&]() -> std::optional<SensorFrame> {
-    if (Interrupted()) return std::nullopt;
-    const StageMeasurement measuring(&pipeline.meters(), StageId::kLoad);
-    return sequence->Next();
-  };
-
-  std::int64_t num_dropped = 0;
-  if (options.num_threads == 1 && !options.realtime) {
-    while (std::optional<SensorFrame> sensors = next_frame()) sink(*sensors, pipeline.Process(*sensors));
-  } else {
-    ThreadedPipeline threads(&pipeline, options.realtime ? WhenFull::kDropOldest : WhenFull::kWait, sink);
-    while (std::optional<SensorFrame> sensors = next_frame()) {
-      if (options.realtime && !WaitForRecordedTime(start, info.t_first, sensors->pair.t_capture)) break;
-      handovers.Add(sensors->pair.t_capture);
-      if (!threads.Push(std::move(*sensors))) break;
-    }
-    threads.Finish();
-    num_dropped = threads.num_dropped();
-  }
-  if (publisher) publisher->Finish();
+  SequenceSource source(sequence.get(), options.realtime, &run.pipeline().meters());
+  while (std::optional<SensorFrame> frame = source.Next())
+    if (!run.Push(std::move(*frame))) break;
   if (Interrupted()) spdlog::warn("interrupted: the results hold what was read until then");
-
-  RunTotals totals;
-  totals.num_dropped = num_dropped + sequence->num_time_jumps();
-  totals.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
-  totals.realtime = options.realtime;
-  totals.gravity = pipeline.gravity();
-  totals.stages = pipeline.meters().costs();
-  writer.Finish(totals);
-  if (tracks) tracks->Finish();
-  summary.Print(writer, totals, options.output);
+  run.Finish(sequence->num_time_jumps());
 }
 
 }  // namespace terrace

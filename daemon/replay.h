@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "daemon/config.h"
 
@@ -11,6 +12,8 @@ namespace terrace {
 struct ReplayOptions {
   std::filesystem::path sequence;
   std::filesystem::path output;
+  /// Calibration files to use instead of what the sequence says; empty: none.
+  std::vector<std::filesystem::path> calibration;
   /// Hand frames over at their recorded times; the newest wins, as live.
   bool realtime = false;
   /// LCM provider to publish on; empty: none.

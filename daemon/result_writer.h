@@ -6,11 +6,14 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/statistics.h"
 #include "daemon/pipeline.h"
+#include "daemon/run_totals.h"
+#include "results/camera_file.h"
 
 namespace terrace {
 
@@ -23,31 +26,12 @@ class OutputError : public std::runtime_error {
 /// results of an earlier run (and nothing else). Throws OutputError.
 void PrepareOutputFolder(const std::filesystem::path& dir, bool overwrite);
 
-/// The map as the text of terrain_map.json: a function of the map alone.
-std::string TerrainMapJson(const TerrainMap& map);
-
-/// The rectified pair and how it sits on the robot: what camera.json holds.
-struct RigDescription {
-  StereoCamera camera;
-  Eigen::Matrix3d R_rect_raw = Eigen::Matrix3d::Identity();  ///< p_left = R_rect_raw * p_rawleft
-  std::optional<Eigen::Isometry3d> T_body_left;
-};
-
-/// What only the end of a run knows.
-struct RunTotals {
-  std::int64_t num_dropped = 0;
-  double wall_s = 0.0;
-  bool realtime = false;
-  Gravity gravity;
-  std::vector<StageCost> stages;
-};
-
-/// Writes the result files of DESIGN.md into a folder: lines as frames come, the rest at the end. Throws
+/// Writes the result files (results/) into a folder: lines as frames come, the rest at the end. Throws
 /// OutputError when the disk refuses.
 class ResultWriter {
  public:
   /// @param save_disparity_every  0: none, N: frames 0, N, 2N, ...
-  ResultWriter(const std::filesystem::path& dir, const RigDescription& rig, int save_disparity_every);
+  ResultWriter(const std::filesystem::path& dir, const ResultCamera& camera, int save_disparity_every);
 
   /// @param latency_ms  none unless frames came at their recorded times
   void AddFrame(const FrameResult& result, std::optional<double> latency_ms);
@@ -60,7 +44,6 @@ class ResultWriter {
   const TerrainMapPtr& map() const { return map_; }
 
  private:
-  void WriteCamera(const RigDescription& rig) const;
   void WriteDisparity(const DisparityImage& disparity) const;
   void AddStaircases(const TerrainMap& map);
 

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "daemon/version.h"
+#include "lcmtypes/status_codec.h"
 
 namespace terrace {
 namespace {
@@ -32,6 +33,15 @@ std::int64_t ResidentBytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
+/// From the images being taken to now, when their clock is ours; else since they were handed over.
+double AgeMs(Timestamp t_capture, double handover_ms) {
+  constexpr double kMaxPlausibleMs = 10e3;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto age = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - t_capture.ns;
+  const double age_ms = 1e-6 * static_cast<double>(age);
+  return age_ms >= 0.0 && age_ms < kMaxPlausibleMs ? age_ms : handover_ms;
+}
+
 /// Share of pixels with a disparity.
 double DenseRatio(const DisparityImage& disparity) {
   const cv::Mat1f& d = disparity.disparity_px;
@@ -41,8 +51,11 @@ double DenseRatio(const DisparityImage& disparity) {
 
 }  // namespace
 
-StatusReporter::StatusReporter(InputSource source, std::string config_hash, double deadline_ms)
-    : config_hash_(std::move(config_hash)),
+StatusReporter::StatusReporter(lcm::LCM* lcm, std::string channel, InputSource source,
+                               std::string config_hash, double deadline_ms)
+    : lcm_(lcm),
+      channel_(std::move(channel)),
+      config_hash_(std::move(config_hash)),
       source_(source),
       deadline_ms_(deadline_ms),
       start_(Clock::now()),
@@ -54,12 +67,18 @@ void StatusReporter::AddFrameIn() {
   ++num_in_;
 }
 
-void StatusReporter::AddResult(const FrameResult& result, double age_ms) {
+void StatusReporter::AddPose(const PoseEstimate& pose) {
+  const std::lock_guard lock(mutex_);
+  if (pose.status == TrackingStatus::kLost) ++num_lost_;
+  last_pose_ = pose;
+}
+
+void StatusReporter::AddResult(const FrameResult& result) {
+  const double age_ms = AgeMs(result.pose.t_capture, result.latency_ms.value_or(0.0));
   const std::lock_guard lock(mutex_);
   ++num_out_;
   ages_ms_.push_back(age_ms);
   if (age_ms > deadline_ms_) ++num_deadline_missed_;
-  if (result.pose.status == TrackingStatus::kLost) ++num_lost_;
   last_ = result;
 }
 
@@ -86,18 +105,22 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
   status.age_max_ms = Quantile(ages_ms_, 1.0);
   status.num_deadline_missed = num_deadline_missed_;
   status.num_lost = num_lost_;
-  status.tracking = last_.pose.status;
-  status.reason = last_.pose.reason;
-  status.num_matches = last_.pose.num_matches;
-  status.num_inliers = last_.pose.num_inliers;
-  status.rms_px = last_.pose.rms_px;
-  status.vertical_disparity_px = last_.pose.vertical_disparity_px;
+  status.tracking = last_pose_.status;
+  status.reason = last_pose_.reason;
+  status.reason_code = last_pose_.reason_code;
+  if (!status.reason.empty() && status.reason_code == ReasonCode::kNone)
+    status.reason_code = ReasonCode::kOther;
+  status.epoch = last_pose_.epoch;
+  status.num_matches = last_pose_.num_matches;
+  status.num_inliers = last_pose_.num_inliers;
+  status.rms_px = last_pose_.rms_px;
+  status.vertical_disparity_px = last_pose_.vertical_disparity_px;
   if (last_.disparity) status.dense_ratio = DenseRatio(*last_.disparity);
   if (last_.change.map) {
     status.gravity_source = last_.change.map->gravity.source;
     status.num_regions = static_cast<int>(last_.change.map->regions.size());
     if (state == DaemonState::kRunning &&
-        (last_.pose.status != TrackingStatus::kTracking || !last_.pose.reason.empty())) {
+        (last_pose_.status != TrackingStatus::kTracking || !last_pose_.reason.empty())) {
       status.state = DaemonState::kDegraded;
     }
   }
@@ -112,6 +135,11 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
   num_in_ = num_out_ = 0;
   ages_ms_.clear();
   return status;
+}
+
+void StatusReporter::Send(const Status& status) {
+  const status_v1_t message = ToMessage(status);
+  lcm_->publish(channel_, &message);
 }
 
 }  // namespace terrace

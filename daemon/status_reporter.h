@@ -7,25 +7,33 @@
 #include <string>
 #include <vector>
 
+#include <lcm/lcm-cpp.hpp>
+
 #include "core/status.h"
 #include "daemon/pipeline.h"
 
 namespace terrace {
 
-/// Sums up what the daemon says about itself, window by window. Every function may be called from any thread.
+/// Sums up what the daemon says about itself, window by window, and sends it. Every function may be called
+/// from any thread. `lcm` must outlive it.
 class StatusReporter {
  public:
-  StatusReporter(InputSource source, std::string config_hash, double deadline_ms);
+  StatusReporter(lcm::LCM* lcm, std::string channel, InputSource source, std::string config_hash,
+                 double deadline_ms);
 
   void AddFrameIn();
-  /// @param age_ms  from the images to their map being out
-  void AddResult(const FrameResult& result, double age_ms);
+  void AddPose(const PoseEstimate& pose);
+  /// A frame whose map is out.
+  void AddResult(const FrameResult& result);
 
   /// The status over the window since the last call, but for what only the input knows. Tracking trouble,
   /// when there is any, makes a running daemon a degraded one.
   Status Take(DaemonState state, StageMeters* meters);
+  void Send(const Status& status);
 
  private:
+  lcm::LCM* const lcm_;
+  const std::string channel_;
   const std::string config_hash_;
   const InputSource source_;
   const double deadline_ms_;
@@ -39,6 +47,7 @@ class StatusReporter {
   std::vector<double> ages_ms_;
   std::int64_t num_deadline_missed_ = 0;
   std::int64_t num_lost_ = 0;
+  PoseEstimate last_pose_;
   FrameResult last_;
 };
 

@@ -7,6 +7,8 @@
 
 #include "datasets/ground_truth.h"
 #include "evaluation/trajectory_evaluation.h"
+#include "results/camera_file.h"
+#include "results/trajectory_file.h"
 
 namespace terrace {
 namespace {

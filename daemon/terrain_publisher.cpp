@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/terrain_publisher.h"
 
-#include <chrono>
 #include <utility>
 
-#include "lcmtypes/codec.h"
+#include "lcmtypes/pose_codec.h"
 
 namespace terrace {
 namespace {
@@ -15,10 +14,13 @@ Eigen::Isometry3d LevelBody() {
   return T_body_left;
 }
 
+/// Map ids count from the start of the daemon; this makes them differ from those of an earlier one.
 std::int64_t MicrosecondsNow() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
 }
+
+TerrainSender::Time Now() { return std::chrono::steady_clock::now(); }
 
 }  // namespace
 
@@ -27,62 +29,59 @@ TerrainPublisher::TerrainPublisher(lcm::LCM* lcm, ChannelConfig channels,
     : lcm_(lcm),
       channels_(std::move(channels)),
       T_body_left_(T_body_left.value_or(LevelBody())),
-      snapshot_period_(static_cast<std::int64_t>(snapshot_period_s * 1e9)),
-      first_map_id_(MicrosecondsNow()) {}
-
-void TerrainPublisher::Publish(const PoseEstimate& pose, const TerrainMapPtr& map) {
-  const std::lock_guard lock(mutex_);
-  PublishPose(pose);
-  PublishTerrain(map);
-}
+      sender_(T_body_left_, std::chrono::nanoseconds(static_cast<std::int64_t>(snapshot_period_s * 1e9)),
+              MicrosecondsNow()) {}
 
 void TerrainPublisher::PublishPose(const PoseEstimate& pose) {
-  Send(channels_.odometry, ToUpdateMessage(pose, t_pose_));
-  if (pose.status != TrackingStatus::kLost) Send(channels_.pose, ToPoseMessage(pose, T_body_left_, t_pose_));
+  const std::lock_guard lock(pose_mutex_);
+  const update_t motion = ToUpdateMessage(pose, t_pose_);
+  lcm_->publish(channels_.odometry, &motion);
+  const pose_v1_t state = ToMessage(BodyPoseOf(pose, T_body_left_, t_pose_, map_id_));
+  lcm_->publish(channels_.pose_state, &state);
+  if (pose.status != TrackingStatus::kLost) {
+    const pose_t body = ToPoseMessage(pose, T_body_left_, t_pose_);
+    lcm_->publish(channels_.pose, &body);
+  }
   t_pose_ = pose.t_capture;
 }
 
 void TerrainPublisher::PublishTerrain(const TerrainMapPtr& map) {
-  const bool new_map = !sent_ || sent_->map_id != map->map_id;
-  const bool snapshot_due = new_map || map->t_capture - t_snapshot_ >= snapshot_period_;
-  const bool changed = new_map || sent_->seq != map->seq;
-  if (!new_map && changed) SendTerrain(DeltaMessages(*sent_, *map));
-  sent_ = map;
-  if (snapshot_due) {
-    SendTerrain(SnapshotMessages(*map));
-    t_snapshot_ = map->t_capture;
-  }
+  const std::lock_guard lock(mutex_);
+  Send(sender_.Update(map, Now()));
+  map_id_ = sender_.map_id();
+}
+
+void TerrainPublisher::Answer(const terrain_repair_v1_t& repair) {
+  const std::lock_guard lock(mutex_);
+  Send(sender_.Answer(repair, Now()));
+}
+
+void TerrainPublisher::Tick() {
+  const std::lock_guard lock(mutex_);
+  Send(sender_.Tick(Now()));
 }
 
 bool TerrainPublisher::SendSnapshot() {
   const std::lock_guard lock(mutex_);
-  if (!sent_) return false;
-  SendTerrain(SnapshotMessages(*sent_));
-  t_snapshot_ = sent_->t_capture;
+  if (!sender_.RequestSnapshot()) return false;
+  Send(sender_.Tick(Now()));
   return true;
 }
 
-void TerrainPublisher::Publish(const Status& status) {
+bool TerrainPublisher::sending_snapshot() const {
   const std::lock_guard lock(mutex_);
-  Send(channels_.status, ToMessage(status));
+  return sender_.sending_snapshot();
 }
 
-std::int64_t TerrainPublisher::num_failures() const {
+void TerrainPublisher::Describe(Status* status) const {
   const std::lock_guard lock(mutex_);
-  return num_failures_;
+  status->map_id = sender_.map_id();
+  status->map_seq = sender_.seq();
 }
 
-template <typename Message>
-void TerrainPublisher::Send(const std::string& channel, const Message& message) {
-  if (lcm_->publish(channel, &message) != 0) ++num_failures_;
-}
-
-template <typename Messages>
-void TerrainPublisher::SendTerrain(Messages messages) {
-  for (auto& message : messages) {
-    message.map_id += first_map_id_;
-    Send(channels_.terrain, message);
-  }
+void TerrainPublisher::Send(const std::vector<TerrainSender::Packet>& packets) {
+  for (const TerrainSender::Packet& packet : packets)
+    lcm_->publish(channels_.terrain, packet->data(), static_cast<unsigned int>(packet->size()));
 }
 
 }  // namespace terrace

@@ -1,57 +1,62 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <lcm/lcm-cpp.hpp>
+#include <terrace/terrain_repair_v1_t.hpp>
 
 #include "core/pose_estimate.h"
 #include "core/status.h"
 #include "core/terrain_map.h"
+#include "daemon/terrain_sender.h"
 #include "lcmtypes/channels.h"
 
 namespace terrace {
 
-/// Sends what the mapper knows over LCM: the pose of the body and the motion of the camera for every frame,
-/// the terrain whenever it has changed (a snapshot first, when asked, and every so often; deltas otherwise),
-/// and the status. Every function may be called from any thread. `lcm` must outlive it.
+/// Publishes what leaves the daemon on LCM: the pose three times over (body, body with all that is known of
+/// it, motion of the camera) and the terrain (see TerrainSender). Every function may be called from any
+/// thread. `lcm` must outlive it.
 class TerrainPublisher {
  public:
   /// @param T_body_left  none: body is taken as the camera with x forward, y left, z up
   TerrainPublisher(lcm::LCM* lcm, ChannelConfig channels, std::optional<Eigen::Isometry3d> T_body_left,
                    double snapshot_period_s);
 
-  void Publish(const PoseEstimate& pose, const TerrainMapPtr& map);
-  void Publish(const Status& status);
-  /// Sends the map again, whole; false when there is none yet.
+  /// The pose of one frame; does not wait for terrain that is being sent.
+  void PublishPose(const PoseEstimate& pose);
+  /// The map as one frame left it.
+  void PublishTerrain(const TerrainMapPtr& map);
+  /// Sends a subscriber what it lacks.
+  void Answer(const terrain_repair_v1_t& repair);
+  /// Sends what is due by the clock. To be called every 20 ms or so.
+  void Tick();
+  /// Sends the map again, whole, spread over the next ticks; false when there is none yet.
   bool SendSnapshot();
+  /// True as long as parts of a snapshot are still to come.
+  bool sending_snapshot() const;
 
-  /// Messages that LCM refused to send.
-  std::int64_t num_failures() const;
+  /// Names the map that is out in a status.
+  void Describe(Status* status) const;
 
  private:
-  void PublishPose(const PoseEstimate& pose);
-  void PublishTerrain(const TerrainMapPtr& map);
-  template <typename Message>
-  void Send(const std::string& channel, const Message& message);
-  template <typename Messages>
-  void SendTerrain(Messages messages);
+  void Send(const std::vector<TerrainSender::Packet>& packets);
 
   lcm::LCM* const lcm_;
   const ChannelConfig channels_;
   const Eigen::Isometry3d T_body_left_;
-  const std::chrono::nanoseconds snapshot_period_;
-  /// Map ids count from the start of the daemon; this makes them differ from those of an earlier one.
-  const std::int64_t first_map_id_;
-  mutable std::mutex mutex_;
+  std::mutex pose_mutex_;  // of what only poses use
   std::optional<Timestamp> t_pose_;
-  TerrainMapPtr sent_;
-  Timestamp t_snapshot_;
-  std::int64_t num_failures_ = 0;
+  std::atomic<std::int64_t> map_id_{0};  // that is out
+  mutable std::mutex mutex_;             // of the rest
+  TerrainSender sender_;
 };
 
 }  // namespace terrace

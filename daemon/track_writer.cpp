@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/track_writer.h"
 
-#include <cmath>
-
-#include <nlohmann/json.hpp>
-
 #include "daemon/result_writer.h"
 #include "datasets/image_file.h"
+#include "results/tracks_file.h"
 
 namespace terrace {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Frames before a picture whose landmarks are its trails.
 constexpr std::int64_t kTrailFrames = 11;
@@ -20,15 +15,6 @@ GrayImage ImageOf(const cv::Mat1b& mat) {
   GrayImage image{mat.cols, mat.rows, {}};
   for (int row = 0; row < mat.rows; ++row) image.data.insert(image.data.end(), mat[row], mat[row] + mat.cols);
   return image;
-}
-
-Json SightingsJson(const FrameSightings& sightings, LandmarkFate fate) {
-  Json list = Json::array();
-  const auto tenths = [](float px) { return std::round(static_cast<double>(px) * 10.0) / 10.0; };
-  for (const LandmarkSighting& sighting : sightings.landmarks)
-    if (sighting.fate == fate)
-      list.push_back({sighting.landmark, tenths(sighting.pixel.x()), tenths(sighting.pixel.y())});
-  return list;
 }
 
 }  // namespace
@@ -55,11 +41,8 @@ void TrackWriter::AddFrame(const FrameResult& result) {
 }
 
 void TrackWriter::WriteLine(const FrameResult& result) {
-  Json line = {{"frame", num_frames_ - 1},
-               {"t_capture_ns", result.pose.t_capture.ns},
-               {"keyframe", result.sightings.is_keyframe}};
-  for (const LandmarkFate fate : kLandmarkFates) line[Name(fate)] = SightingsJson(result.sightings, fate);
-  file_ << line.dump() << '\n';
+  const ResultTracks line{num_frames_ - 1, result.pose.t_capture, result.sightings};
+  file_ << TracksLine(line) << '\n';
 }
 
 void TrackWriter::Finish() {

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/euroc.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 
 #include <yaml-cpp/yaml.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
+#include "core/lens_models.h"
+#include "datasets/calibration_formats.h"
 #include "datasets/folder_sequence.h"
 #include "datasets/ground_truth.h"
 #include "datasets/text_table.h"
@@ -89,6 +92,7 @@ class SensorFile {
     return CanonicalPose(T_body_sensor);
   }
 
+  bool Has(const std::string& key) const { return root_[key].IsDefined(); }
   void Say(const std::string& what) { problems_->push_back(path_ + ": " + what); }
 
  private:
@@ -123,6 +127,28 @@ struct CameraFile {
   Eigen::Isometry3d T_body_camera = Eigen::Isometry3d::Identity();
 };
 
+RawCamera ReadPinhole(SensorFile* file) {
+  RawCamera camera;
+  const std::vector<double> intrinsics = file->Numbers("intrinsics", 4, 4);
+  if (intrinsics.size() == 4) {
+    camera.fx = intrinsics[0];
+    camera.fy = intrinsics[1];
+    camera.cx = intrinsics[2];
+    camera.cy = intrinsics[3];
+  }
+  const std::string distortion = file->TextOr("distortion_model", "none");
+  const auto model = ModelOfAnyName(distortion);
+  if (!model) {
+    file->Say("distortion_model is " + distortion + ", must be radial-tangential, equidistant or none");
+  } else if (distortion != "none") {
+    camera.model = *model;
+    const std::vector<std::size_t> counts = CoefficientCounts(*model);
+    camera.distortion =
+        file->Numbers("distortion_coefficients", std::max<std::size_t>(counts.front(), 1), counts.back());
+  }
+  return camera;
+}
+
 CameraFile ReadCameraFile(const fs::path& path, Problems* problems) {
   CameraFile out;
   SensorFile file(path, problems);
@@ -139,25 +165,16 @@ CameraFile ReadCameraFile(const fs::path& path, Problems* problems) {
     out.width = whole(resolution[0]);
     out.height = whole(resolution[1]);
   }
-  const std::vector<double> intrinsics = file.Numbers("intrinsics", 4, 4);
-  if (intrinsics.size() == 4) {
-    out.camera.fx = intrinsics[0];
-    out.camera.fy = intrinsics[1];
-    out.camera.cx = intrinsics[2];
-    out.camera.cy = intrinsics[3];
-  }
-  if (const std::string model = file.TextOr("camera_model", "pinhole"); model != "pinhole") {
-    file.Say("camera_model is " + model + ", must be pinhole");
-  }
-  const std::string distortion = file.TextOr("distortion_model", "none");
-  if (distortion == "radial-tangential" || distortion == "radtan") {
-    out.camera.model = DistortionModel::kRadialTangential;
-    out.camera.distortion = file.Numbers("distortion_coefficients", 4, 5);
-  } else if (distortion == "equidistant") {
-    out.camera.model = DistortionModel::kEquidistant;
-    out.camera.distortion = file.Numbers("distortion_coefficients", 4, 4);
-  } else if (distortion != "none") {
-    file.Say("distortion_model is " + distortion + ", must be radial-tangential, equidistant or none");
+  const std::string camera_model = file.TextOr("camera_model", "pinhole");
+  if (camera_model == "omni" && file.Has("omni_distortion_center")) {
+    try {
+      out.camera = *ReadEurocSensor(ParseYaml(ReadTextFile(path), path.string())).cameras.front().lens;
+    } catch (const FileError& error) {
+      problems->push_back(error.what());
+    }
+  } else {
+    if (camera_model != "pinhole") file.Say("camera_model is " + camera_model + ", must be pinhole");
+    out.camera = ReadPinhole(&file);
   }
   out.T_body_camera = file.BodyFromSensor();
   return out;

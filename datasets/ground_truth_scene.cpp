@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/json_value.h"
 #include "datasets/ground_truth.h"
-#include "datasets/json_value.h"
 #include "datasets/npz_file.h"
 
 namespace terrace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/ground_truth.h"
 #include "datasets/kitti.h"
 #include "datasets/lcm_log.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/file_bytes.h"
 #include "core/sensor_frame.h"
-#include "datasets/file_bytes.h"
 
 namespace terrace {
 

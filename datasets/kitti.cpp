@@ -6,10 +6,13 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "datasets/folder_sequence.h"
 #include "datasets/ground_truth.h"
 #include "datasets/image_file.h"
+#include "datasets/image_names.h"
 
 namespace terrace {
 namespace {
@@ -20,11 +23,60 @@ using Projection = Eigen::Matrix<double, 3, 4>;
 
 fs::path ImageFolder(const fs::path& path, int camera) { return path / ("image_" + std::to_string(camera)); }
 
-fs::path ImageFile(const fs::path& path, int camera, std::int64_t index) {
-  char name[32];
-  std::snprintf(name, sizeof(name), "%06lld.png", static_cast<long long>(index));
-  return ImageFolder(path, camera) / name;
-}
+/// The images of both cameras by frame. Names that are frame numbers are these; names that are times are
+/// numbered in their order, left and right together.
+class KittiImages {
+ public:
+  KittiImages() = default;
+  KittiImages(const fs::path& path, int left, int right) : path_(path) {
+    for (const int camera : {left, right}) names_[camera] = ListImageNames(ImageFolder(path, camera));
+    if (!names_[left].are_times || !names_[right].are_times) return;
+    for (const int camera : {left, right}) {
+      for (const auto& [ns, name] : names_[camera].by_number) times_.push_back({ns});
+    }
+    std::sort(times_.begin(), times_.end());
+    times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
+  }
+
+  /// Of a frame that may have no image: the name that it should have.
+  fs::path File(int camera, std::int64_t index) const {
+    const auto found = Find(camera, index);
+    if (found) return ImageFolder(path_, camera) / *found;
+    char name[32];
+    std::snprintf(name, sizeof(name), "%06lld.png", static_cast<long long>(index));
+    return ImageFolder(path_, camera) / name;
+  }
+  bool Has(int camera, std::int64_t index) const { return Find(camera, index).has_value(); }
+  /// One more than the last frame's number.
+  std::int64_t end() const {
+    if (!times_.empty()) return static_cast<std::int64_t>(times_.size());
+    std::int64_t end = 0;
+    for (const auto& [camera, names] : names_) {
+      if (!names.by_number.empty()) end = std::max(end, names.by_number.rbegin()->first + 1);
+    }
+    return end;
+  }
+  /// By frame; empty: names are no times.
+  const std::vector<Timestamp>& times() const { return times_; }
+
+ private:
+  std::optional<std::string> Find(int camera, std::int64_t index) const {
+    const auto names = names_.find(camera);
+    if (names == names_.end()) return std::nullopt;
+    std::int64_t number = index;
+    if (!times_.empty()) {
+      if (index < 0 || index >= end()) return std::nullopt;
+      number = times_[static_cast<std::size_t>(index)].ns;
+    }
+    const auto found = names->second.by_number.find(number);
+    if (found == names->second.by_number.end()) return std::nullopt;
+    return found->second;
+  }
+
+  fs::path path_;
+  std::map<int, ImageNames> names_;
+  std::vector<Timestamp> times_;
+};
 
 std::map<int, Projection> ReadProjections(const fs::path& calib, std::vector<std::string>* problems) {
   using Row = std::pair<int, Projection>;
@@ -45,12 +97,12 @@ std::map<int, Projection> ReadProjections(const fs::path& calib, std::vector<std
 }
 
 /// Of the first image that can be read.
-ImageHeader FirstImageHeader(const fs::path& path, int camera, std::vector<std::string>* problems) {
+ImageHeader FirstImageHeader(const KittiImages& images, int camera, std::vector<std::string>* problems) {
   constexpr int kFramesToTry = 10;
   std::string problem;
   for (int i = 0; i < kFramesToTry; ++i) {
     try {
-      return ReadImageHeader(ImageFile(path, camera, i));
+      return ReadImageHeader(images.File(camera, i));
     } catch (const FileError& error) {
       if (problem.empty()) problem = error.what();
     }
@@ -84,7 +136,7 @@ KittiCameras ReadCameras(const fs::path& path, std::vector<std::string>* problem
   }
   if (!problems->empty()) return out;
 
-  const ImageHeader image = FirstImageHeader(path, out.left, problems);
+  const ImageHeader image = FirstImageHeader(KittiImages(path, out.left, out.right), out.left, problems);
   if (!problems->empty()) return out;
   calibration.width = image.width;
   calibration.height = image.height;
@@ -134,25 +186,39 @@ Table<KittiTime> ReadKittiTimes(const fs::path& times) {
   return table;
 }
 
+namespace {
+
+/// Of times.txt, else of the images' names.
+Table<KittiTime> TimesOf(const fs::path& path, const KittiImages& images) {
+  if (fs::exists(path / "times.txt") || images.times().empty()) return ReadKittiTimes(path / "times.txt");
+  Table<KittiTime> table;
+  for (std::size_t i = 0; i < images.times().size(); ++i)
+    table.rows.push_back({static_cast<std::int64_t>(i), images.times()[i]});
+  return table;
+}
+
+}  // namespace
+
 std::unique_ptr<Sequence> OpenKittiSequence(const fs::path& path) {
   std::vector<std::string> problems;
   SequenceInfo info;
   info.kind = SequenceKind::kKitti;
   info.path = path;
   const KittiCameras cameras = ReadCameras(path, &problems);
-  Table<KittiTime> table = ReadKittiTimes(path / "times.txt");
+  const KittiImages images(path, cameras.left, cameras.right);
+  Table<KittiTime> table = TimesOf(path, images);
   if (!table.problem.empty()) problems.push_back(table.problem);
   ThrowIfAny(problems);
   info.warnings = std::move(table.warnings);
   info.calibration = cameras.calibration;
 
   // Pieces of a recording often keep its whole times.txt.
-  const auto has_image = [&](const KittiTime& time) {
-    return fs::exists(ImageFile(path, cameras.left, time.index)) ||
-           fs::exists(ImageFile(path, cameras.right, time.index));
-  };
   std::vector<KittiTime>& times = table.rows;
   const std::size_t num_times = times.size();
+  const std::int64_t end = times.back().index + 1;
+  const auto has_image = [&](const KittiTime& time) {
+    return images.Has(cameras.left, time.index) || images.Has(cameras.right, time.index);
+  };
   while (!times.empty() && !has_image(times.back())) times.pop_back();
   if (times.empty()) ThrowIfAny({(path / "times.txt").string() + ": no line belongs to an image"});
   if (times.size() < num_times) {
@@ -160,10 +226,14 @@ std::unique_ptr<Sequence> OpenKittiSequence(const fs::path& path) {
                             Counted(static_cast<std::int64_t>(num_times - times.size()), "line") +
                             " left out: there are no images");
   }
+  if (images.end() > end) {
+    info.warnings.push_back((path / "times.txt").string() + ": ends before the images do: the last " +
+                            Counted(images.end() - end, "frame") + " left out");
+  }
   std::vector<FolderFrame> frames;
   for (const KittiTime& time : times) {
     frames.push_back(
-        {time.t, ImageFile(path, cameras.left, time.index), ImageFile(path, cameras.right, time.index), {}});
+        {time.t, images.File(cameras.left, time.index), images.File(cameras.right, time.index), {}});
   }
   info.has_true_poses = HasTrueTrajectory(path);
   return std::make_unique<FolderSequence>(std::move(info), std::move(frames), SensorSamples{},

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 
 namespace terrace {
 namespace {

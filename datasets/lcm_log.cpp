@@ -12,13 +12,19 @@
 #include <terrace/command_v1_t.hpp>
 #include <terrace/height_map_v1_t.hpp>
 #include <terrace/octree_v1_t.hpp>
+#include <terrace/status_v1_t.hpp>
+#include <terrace/terrain_repair_v1_t.hpp>
+#include <terrace/terrain_v1_t.hpp>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/lcm_event_log.h"
 #include "datasets/text_table.h"
-#include "lcmtypes/codec.h"
+#include "lcmtypes/calibration_codec.h"
+#include "lcmtypes/codec_values.h"
 #include "lcmtypes/image_codec.h"
+#include "lcmtypes/pose_codec.h"
 #include "lcmtypes/safe_decode.h"
+#include "lcmtypes/sensor_codec.h"
 
 namespace terrace {
 namespace {
@@ -288,8 +294,8 @@ std::uint64_t Fingerprint(const std::vector<std::uint8_t>& data) {
 void NameType(LcmLogChannel* channel) {
   static const std::map<std::uint64_t, std::string> names =
       NamesByFingerprint<body_prior_v1_t, calibration_v1_t, command_reply_v1_t, command_v1_t, height_map_v1_t,
-                         image_t, images_t, imu_v1_t, octree_v1_t, pose_t, status_v1_t, terrain_v1_t,
-                         update_t>();
+                         image_t, images_t, imu_v1_t, octree_v1_t, pose_t, pose_v1_t, status_v1_t,
+                         terrain_repair_v1_t, terrain_v1_t, update_t>();
   const auto name = names.find(channel->fingerprint);
   channel->known = name != names.end();
   if (channel->known) {

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <utility>
 
-#include "lcmtypes/codec.h"
+#include "lcmtypes/calibration_codec.h"
+#include "lcmtypes/pose_codec.h"
+#include "lcmtypes/sensor_codec.h"
 
 namespace terrace {
 

@@ -8,7 +8,7 @@
 
 #include <zip.h>
 
-#include "datasets/json_value.h"
+#include "core/json_value.h"
 
 namespace terrace {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "datasets/json_value.h"
+#include "core/json_value.h"
 
 namespace terrace {
 namespace {

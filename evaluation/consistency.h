@@ -11,7 +11,7 @@
 #include "core/camera.h"
 #include "core/sensor_frame.h"
 #include "evaluation/disparity_file.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 
 namespace terrace {
 

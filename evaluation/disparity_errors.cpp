@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/check.h"
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "evaluation/disparity_evaluation.h"
 
 namespace terrace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <sstream>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/image_file.h"
 
 namespace terrace {

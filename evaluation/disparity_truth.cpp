@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "evaluation/planar_shape.h"
 
 namespace terrace {

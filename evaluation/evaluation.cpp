@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/ground_truth.h"
 #include "evaluation/disparity_picture.h"
 

@@ -12,9 +12,9 @@
 #include "evaluation/film_strip.h"
 #include "evaluation/map_evaluation.h"
 #include "evaluation/region_census.h"
-#include "evaluation/result_files.h"
 #include "evaluation/staircase_evaluation.h"
 #include "evaluation/trajectory_evaluation.h"
+#include "results/replay_result.h"
 
 namespace terrace {
 

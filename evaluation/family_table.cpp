@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/file_bytes.h"
 #include "core/print.h"
-#include "datasets/file_bytes.h"
 #include "evaluation/statistics.h"
 
 namespace terrace {

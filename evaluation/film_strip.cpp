@@ -7,7 +7,7 @@
 
 #include "datasets/image_file.h"
 #include "evaluation/disparity_picture.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 
 namespace terrace {
 namespace {

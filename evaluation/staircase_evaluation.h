@@ -9,7 +9,7 @@
 
 #include "core/terrain_map.h"
 #include "datasets/ground_truth.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 
 namespace terrace {
 

@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "core/angles.h"
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "evaluation/statistics.h"
 
 namespace terrace {
@@ -206,8 +206,8 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs,
     evaluation.samples.push_back(sample);
     errors_m.push_back(sample.error_m);
     errors_from_first_m.push_back(sample.error_from_first_m);
-    rotation_errors_deg.push_back(Degrees(AngleOf(
-        pair.T_true_left.linear().transpose() * T_by_orientations.linear() * pair.T_result_left.linear())));
+    rotation_errors_deg.push_back(Degrees(AngleOf(pair.T_true_left.linear().transpose() *
+                                                  T_by_orientations.linear() * pair.T_result_left.linear())));
   }
   const std::vector<double> along = PathLengths(pairs);
   evaluation.path_length_m = along.back();

@@ -10,7 +10,7 @@
 
 #include "datasets/ground_truth.h"
 #include "evaluation/alignment.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 
 namespace terrace {
 

@@ -12,7 +12,7 @@
 #include "core/camera.h"
 #include "datasets/ground_truth.h"
 #include "datasets/image_file.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 
 namespace terrace {
 

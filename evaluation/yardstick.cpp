@@ -5,15 +5,15 @@
 #include <optional>
 #include <vector>
 
+#include "core/file_bytes.h"
 #include "core/print.h"
-#include "datasets/file_bytes.h"
 #include "datasets/ground_truth.h"
 #include "evaluation/alignment.h"
 #include "evaluation/disparity_file.h"
 #include "evaluation/elevation_map.h"
-#include "evaluation/result_files.h"
 #include "evaluation/trajectory_evaluation.h"
 #include "evaluation/well_seen.h"
+#include "results/replay_result.h"
 
 namespace terrace {
 namespace {

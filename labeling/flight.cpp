@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace terrace {
@@ -91,6 +92,21 @@ void RefineFlight(const StaircaseConfig& config, Flight& flight) {
   }
   flight.fits.clear();
   flight.score = FitSteps(config, *flight.frame, flight.stride, flight.elements, &flight.fits);
+}
+
+void RefineWithin(const StaircaseConfig& config, int first, int last, int last_tread, Flight& flight) {
+  std::set<int> inside;
+  for (const StepFit& fit : flight.fits) {
+    const bool riser = flight.elements[fit.element].riser;
+    if (fit.step_index >= first && fit.step_index <= (riser ? last : last_tread)) inside.insert(fit.element);
+  }
+  Flight within = flight;
+  within.elements.clear();
+  for (const int element : inside) within.elements.push_back(flight.elements[element]);
+  within.score = 0.0;
+  RefineFlight(config, within);
+  // Fewer steps than two kinds of measure need do not determine a law.
+  if (within.fits.size() == inside.size()) flight = std::move(within);
 }
 
 std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,

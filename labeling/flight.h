@@ -22,6 +22,12 @@ struct Flight {
 /// Least squares over all members: the common rise, run and width, and again who obeys them.
 void RefineFlight(const StaircaseConfig& config, Flight& flight);
 
+/// The same flight by its own steps alone: floor and landing obey the law as treads would, but where they
+/// begin says nothing about its run.
+/// @param first, last  of the steps, as its fits count them
+/// @param last_tread  the highest one that is no landing
+void RefineWithin(const StaircaseConfig& config, int first, int last, int last_tread, Flight& flight);
+
 /// The same straight flight, measured along the direction on which its risers (none: its treads) agree.
 std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,
                                     const Flight& flight);

@@ -19,6 +19,7 @@ constexpr double kLongerThanTread = 1.35;
 struct LevelBeside {
   Interval along;
   int level = 0;  ///< 0: at the foot of step 1
+  int shape = 0;
 };
 
 std::optional<LevelBeside> MeasureLevel(const StaircaseConfig& config, const RegionShape& s,
@@ -26,7 +27,8 @@ std::optional<LevelBeside> MeasureLevel(const StaircaseConfig& config, const Reg
   const Stride& stride = flight.stride;
   if (s.lean != Lean::kSupport || s.slope_rad > Radians(config.max_tread_slope_deg)) return std::nullopt;
   const Interval lateral = flight.frame->LateralExtent(s);
-  if (lateral.Overlap(stride.lateral) < 0.4 * stride.lateral.length()) return std::nullopt;
+  const double beside = lateral.Overlap(stride.lateral);
+  if (beside < 0.4 * std::min(stride.lateral.length(), lateral.length())) return std::nullopt;
   // Where it meets the flight, for it may lean: the end of a floor, the beginning of a landing.
   Interval along = flight.frame->AlongExtent(
       s, {std::max(lateral.low, stride.lateral.low), std::min(lateral.high, stride.lateral.high)});
@@ -39,7 +41,33 @@ std::optional<LevelBeside> MeasureLevel(const StaircaseConfig& config, const Reg
   const int level = static_cast<int>(std::lround((z - stride.z0) / stride.rise));
   if (std::abs(z - stride.z0 - level * stride.rise) > 1.5 * config.HeightTolerance(stride.rise))
     return std::nullopt;
-  return LevelBeside{along, level};
+  return LevelBeside{along, level, 0};
+}
+
+/// All supports at heights that the law knows; pieces of one level that lie one behind the other are one.
+std::vector<LevelBeside> LevelsBeside(const StaircaseConfig& config,
+                                      const std::vector<RegionShapePtr>& shapes, const Flight& flight) {
+  constexpr double kMaxGap = 0.15;  // unseen between two pieces of one floor
+  std::vector<LevelBeside> levels;
+  for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
+    std::optional<LevelBeside> beside = MeasureLevel(config, *shapes[i], flight);
+    if (!beside) continue;
+    beside->shape = i;
+    levels.push_back(*beside);
+  }
+  const std::vector<LevelBeside> pieces = levels;
+  for (LevelBeside& whole : levels) {
+    for (std::size_t round = 0; round < pieces.size(); ++round) {
+      const double length = whole.along.length();
+      for (const LevelBeside& piece : pieces) {
+        if (piece.level != whole.level || piece.along.Overlap(whole.along) < -kMaxGap) continue;
+        whole.along = {std::min(whole.along.low, piece.along.low),
+                       std::max(whole.along.high, piece.along.high)};
+      }
+      if (whole.along.length() == length) break;
+    }
+  }
+  return levels;
 }
 
 }  // namespace
@@ -89,10 +117,8 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
   double head_gap = std::numeric_limits<double>::infinity();
   const double slack = 2.0 * config.edge_tolerance_m;
   const double long_enough = kLongerThanTread * stride.run;
-  for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
-    const std::optional<LevelBeside> beside = MeasureLevel(config, *shapes[i], flight);
-    if (!beside || beside->along.length() <= long_enough) continue;
-    const auto& [along, level] = *beside;
+  for (const auto& [along, level, shape] : LevelsBeside(config, shapes, flight)) {
+    if (along.length() <= long_enough) continue;
     const double edge = stride.EdgeAt(level);  // riser below this level
     // A landing begins at the riser below its level, a floor ends at the riser above it.
     const double before = along.low - edge;
@@ -101,13 +127,13 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
         along.high > edge + long_enough && std::abs(before) < head_gap) {
       head_gap = std::abs(before);
       head_level = level;
-      ends.head_shape = i;
+      ends.head_shape = shape;
     }
     if (level < lowest + 1 && level >= lowest - 4 && behind > -slack && behind < 4.0 * stride.run &&
         along.low < edge - 0.35 * stride.run && std::abs(behind) < foot_gap) {
       foot_gap = std::abs(behind);
       foot_level = level;
-      ends.foot_shape = i;
+      ends.foot_shape = shape;
     }
   }
   ends.first_step = foot_level ? *foot_level + 1 : lowest;

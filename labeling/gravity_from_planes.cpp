@@ -17,12 +17,10 @@ constexpr double kMinArea = 0.3;
 
 }  // namespace
 
-std::optional<GravityHint> GravityFromPlanes(const PolygonUpdate& polygons, const PoseEstimate& pose,
+std::optional<GravityHint> GravityFromPlanes(const PolygonUpdate& polygons, const PoseEstimate&,
                                              const Gravity& gravity) {
   const bool assumed = gravity.source == GravitySource::kAssumed;
-  const Eigen::Vector3d up = assumed
-                                 ? Eigen::Vector3d(-(pose.T_world_left.linear() * Eigen::Vector3d::UnitY()))
-                                 : gravity.up_world();
+  const Eigen::Vector3d up = gravity.up_world();
   const double widest =
       assumed ? Radians(45.0) : std::clamp(3.0 * gravity.sigma_rad, Radians(3.0), Radians(10.0));
 

@@ -174,7 +174,7 @@ LabelRules::Face LabelRules::MeasureFace(int i) const {
 Verdict LabelRules::DecideFace(int i) const {
   const RegionShape& face = *scene_.shapes[i];
   if (face.area_m2 < config_.min_decided_area_m2 || face.columns.empty())
-    return {TerrainLabel::kUnknown, 0.3};
+    return {TerrainLabel::kUnknown, 0.3, false, "too small"};
   const Face measured = MeasureFace(i);
   const double upright = ChancePositive(
       std::min(face.slope_rad, std::numbers::pi - face.slope_rad) - Radians(config_.min_upright_deg),
@@ -191,7 +191,7 @@ Verdict LabelRules::DecideFace(int i) const {
     case TopView::kNotJudged:
       break;
   }
-  return {TerrainLabel::kUnknown, 0.3};
+  return {TerrainLabel::kUnknown, 0.3, false, "its top was not seen"};
 }
 
 bool LabelRules::ContinuesAWall(int i, const std::vector<Verdict>& verdicts) const {
@@ -229,7 +229,7 @@ std::optional<Verdict> LabelRules::Undecided(const RegionShape& slope) const {
 
 Verdict LabelRules::DecideSteep(int i) const {
   const RegionShape& s = *scene_.shapes[i];
-  if (s.area_m2 < 2.0 * config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3};
+  if (s.area_m2 < 2.0 * config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3, false, "too small"};
   if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   constexpr double kFootTolerance = 0.1;
   const auto ground =
@@ -237,20 +237,32 @@ Verdict LabelRules::DecideSteep(int i) const {
                    s.bounds.min().z() + kFootTolerance, i);
   if (!ground || s.bounds.min().z() - *ground > config_.ground_search_m ||
       scene_.nearest_view_m[i] > config_.max_resolving_distance_m)
-    return {TerrainLabel::kUnknown, 0.3};
+    return {TerrainLabel::kUnknown, 0.3, false, "steep, nothing known of its foot"};
   return {TerrainLabel::kObstacle, Seasoned(0.6, s)};
 }
 
 std::optional<double> LabelRules::HeightOverSurroundings(int i) const {
   const RegionShape& s = *scene_.shapes[i];
   const double low_enough = config_.max_joint_height_m;
+  // Reflections and noise make up scraps below any large floor: the top of a large thing has lower ground
+  // along a good part of its outline.
+  const double least_share = s.largest_square_m >= 0.9 * config_.min_walkway_edge_m ? 0.2 : 0.0;
   std::optional<double> height;
-  for (const Eigen::Vector2d& p : s.plan.front()) {
+  double around_m = 0.0, lower_m = 0.0;
+  const PlanRing& ring = s.plan.front();
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const Eigen::Vector2d& p = ring[k];
+    const Eigen::Vector2d& before = ring[(k + ring.size() - 1) % ring.size()];
+    const Eigen::Vector2d& after = ring[(k + 1) % ring.size()];
+    const double beside_m = 0.5 * ((after - p).norm() + (p - before).norm());
+    around_m += beside_m;
     const double z = s.HeightAt(p);
     const auto ground = GroundHeight(p, z - low_enough, i);
-    if (ground && (!height || z - *ground < *height)) height = z - *ground;
+    if (!ground) continue;
+    lower_m += beside_m;
+    if (!height || z - *ground < *height) height = z - *ground;
   }
-  return height;
+  return lower_m >= least_share * around_m ? height : std::nullopt;
 }
 
 Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
@@ -258,7 +270,7 @@ Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
   const double level = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
   if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   if (large[i] && scene_.reachable[i]) return {TerrainLabel::kWalkway, Seasoned(0.97 * level, s)};
-  if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3};
+  if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3, false, "too small"};
   const std::optional<double> height = HeightOverSurroundings(i);
   // The top of something that stands on the ground; higher up it is a shelf or a ledge.
   if (height && *height < config_.min_wall_height_m) {
@@ -271,7 +283,7 @@ Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
       return {TerrainLabel::kWalkway, Seasoned(0.7 * level, s)};
   }
   if (!scene_.reachable[i]) return {TerrainLabel::kLevel, Seasoned(0.6 * level, s)};
-  return {TerrainLabel::kUnknown, 0.4};
+  return {TerrainLabel::kUnknown, 0.4, false, "too small to walk on"};
 }
 
 Verdict LabelRules::DecideSlope(int i, bool large) const {
@@ -281,9 +293,11 @@ Verdict LabelRules::DecideSlope(int i, bool large) const {
       ChancePositive(s.slope_rad - Radians(robot_.max_walkway_slope_deg), s.slope_sigma_rad);
   if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   if (large && scene_.reachable[i]) return {TerrainLabel::kRamp, Seasoned(0.95 * walkable * sloped, s)};
-  if (s.area_m2 < config_.min_decided_area_m2 || large) return {TerrainLabel::kUnknown, 0.3};
-  return HeightOverSurroundings(i) ? Verdict{TerrainLabel::kObstacle, Seasoned(0.6, s)}
-                                   : Verdict{TerrainLabel::kUnknown, 0.3};
+  if (s.area_m2 < config_.min_decided_area_m2 || large)
+    return {TerrainLabel::kUnknown, 0.3, false, large ? "not reachable" : "too small"};
+  return HeightOverSurroundings(i)
+             ? Verdict{TerrainLabel::kObstacle, Seasoned(0.6, s)}
+             : Verdict{TerrainLabel::kUnknown, 0.3, false, "inclined, too small to walk on"};
 }
 
 std::vector<Verdict> LabelRules::Decide() const {
@@ -303,7 +317,7 @@ std::vector<Verdict> LabelRules::Decide() const {
         verdicts[i] = DecideFace(i);
         break;
       case Lean::kFacingDown:
-        verdicts[i] = {TerrainLabel::kUnknown, 0.5};
+        verdicts[i] = {TerrainLabel::kUnknown, 0.5, false, "faces down"};
         break;
     }
   }

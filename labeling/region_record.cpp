@@ -29,25 +29,25 @@ Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
   return {told, region_->confidence};
 }
 
-const std::shared_ptr<const TerrainRegion>& RegionRecord::Tell(const RegionShapePtr& shape,
-                                                               const Verdict& verdict,
-                                                               const InStaircase* stairs) {
+void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, const InStaircase* stairs) {
   // A confidence that moves by less is not worth a message.
   constexpr double kConfidenceStep = 0.05;
   const Polygon& polygon = *shape->polygon;
   const bool same_polygon = region_ && !OutOfDate(*shape);
   shape_ = shape;
+  told_ = true;
   const std::optional<std::int64_t> staircase_id = stairs ? std::optional(stairs->id) : std::nullopt;
   const std::optional<int> step_index = stairs ? std::optional(stairs->place.step_index) : std::nullopt;
-  if (same_polygon && region_->label == verdict.label && region_->staircase_id == staircase_id &&
-      region_->step_index == step_index && region_->edges == edges &&
+  if (same_polygon && region_->label == verdict.label && region_->why == verdict.why &&
+      region_->staircase_id == staircase_id && region_->step_index == step_index && region_->edges == edges &&
       std::abs(region_->confidence - verdict.confidence) < kConfidenceStep)
-    return region_;
+    return;
   auto region = std::make_shared<TerrainRegion>();
   region->id = polygon.id;
   region->revision = region_ ? region_->revision + 1 : 1;
   region->label = verdict.label;
   region->confidence = verdict.confidence;
+  region->why = verdict.why;
   region->plane_world = polygon.plane_world;
   region->plane_covariance = polygon.plane_covariance;
   region->centroid_world = polygon.centroid_world;
@@ -63,7 +63,6 @@ const std::shared_ptr<const TerrainRegion>& RegionRecord::Tell(const RegionShape
   region->staircase_id = staircase_id;
   region->step_index = step_index;
   region_ = std::move(region);
-  return region_;
 }
 
 }  // namespace terrace

@@ -29,13 +29,18 @@ class RegionRecord {
 
   /// Tells it: a new revision when anything but a hair of confidence has changed.
   /// @param stairs  null: in no staircase
-  const std::shared_ptr<const TerrainRegion>& Tell(const RegionShapePtr& shape, const Verdict& verdict,
-                                                   const InStaircase* stairs);
+  void Tell(const RegionShapePtr& shape, const Verdict& verdict, const InStaircase* stairs);
+
+  /// It is there, but not worth telling.
+  void Withhold() { told_ = false; }
+  bool told() const { return told_; }
+  const std::shared_ptr<const TerrainRegion>& region() const { return region_; }
 
   std::vector<RegionEdge> edges;
   bool edges_stale = true;  ///< something beside the shape has changed since
 
  private:
+  bool told_ = false;
   std::shared_ptr<const TerrainRegion> region_;
   RegionShapePtr shape_;  ///< that the region was made of
   TerrainLabel next_label_ = TerrainLabel::kUnknown;

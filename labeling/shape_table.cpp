@@ -6,42 +6,85 @@
 #include <utility>
 
 namespace terrace {
+namespace {
 
-void ShapeTable::HoldGravity(const Gravity& gravity) {
-  const Eigen::Vector3d up = gravity.up_world().normalized();
-  const double turned = std::acos(std::clamp(up.dot(R_level_world_.transpose().col(2)), -1.0, 1.0));
-  if (shapes_.empty() || turned > max_gravity_change_rad_) {
-    R_level_world_ = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    by_id_.clear();
-  }
+/// Within this distance of the camera everything is looked at in every frame: farther than stairs are made
+/// out, and than a robot steps before it looks again.
+constexpr double kNear = 8.0;
+/// So far does a change decide about its neighbours.
+constexpr double kBeside = 0.5;
+
+const RegionShapePtr* FindIn(const std::vector<RegionShapePtr>& shapes, PolygonId id) {
+  const auto it =
+      std::lower_bound(shapes.begin(), shapes.end(), id,
+                       [](const RegionShapePtr& s, PolygonId wanted) { return s->id() < wanted; });
+  return it != shapes.end() && (*it)->id() == id ? &*it : nullptr;
 }
 
-void ShapeTable::Update(const PolygonUpdate& update, const Gravity& gravity) {
-  HoldGravity(gravity);
-  std::map<PolygonId, RegionShapePtr> by_id;
-  shapes_.clear();
+}  // namespace
+
+bool ShapeTable::HoldGravity(const Gravity& gravity) {
+  const Eigen::Vector3d up = gravity.up_world().normalized();
+  const double turned = std::acos(std::clamp(up.dot(R_level_world_.transpose().col(2)), -1.0, 1.0));
+  if (!all_.empty() && turned <= max_gravity_change_rad_) return false;
+  R_level_world_ = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return true;
+}
+
+void ShapeTable::Update(const PolygonUpdate& update, const Gravity& gravity,
+                        const Eigen::Vector3d& eye_world) {
+  const bool all_anew = HoldGravity(gravity);
+  ReplaceChanged(update, all_anew);
+  ChooseActive(R_level_world_ * eye_world);
+}
+
+void ShapeTable::ReplaceChanged(const PolygonUpdate& update, bool all_anew) {
+  // Both lists ascend by id: one walk finds what is new, changed and gone.
+  std::vector<RegionShapePtr> all;
+  all.reserve(update.polygons.size());
   touched_.clear();
+  auto before = all_.begin();
   for (const PolygonPtr& polygon : update.polygons) {
-    const auto known = by_id_.find(polygon->id);
-    const bool same = known != by_id_.end() && known->second->polygon == polygon;
-    RegionShapePtr shape = same ? known->second : MakeRegionShape(polygon, R_level_world_, limits_);
-    if (!same) {
-      touched_.push_back(shape->bounds);
-      if (known != by_id_.end()) touched_.push_back(known->second->bounds);
+    for (; before != all_.end() && (*before)->id() < polygon->id; ++before)
+      touched_.push_back((*before)->bounds);
+    const bool known = before != all_.end() && (*before)->id() == polygon->id;
+    if (known && !all_anew && (*before)->polygon == polygon) {
+      all.push_back(std::move(*before++));
+      continue;
     }
-    if (known != by_id_.end()) by_id_.erase(known);
-    by_id.emplace(polygon->id, shape);
-    shapes_.push_back(std::move(shape));
+    if (known) touched_.push_back((*before++)->bounds);
+    all.push_back(MakeRegionShape(polygon, R_level_world_, limits_));
+    touched_.push_back(all.back()->bounds);
   }
-  for (const auto& [id, gone] : by_id_) touched_.push_back(gone->bounds);
-  by_id_ = std::move(by_id);
+  for (; before != all_.end(); ++before) touched_.push_back((*before)->bounds);
+  all_ = std::move(all);
+}
+
+void ShapeTable::ChooseActive(const Eigen::Vector3d& eye_level) {
+  const Eigen::AlignedBox3d near(eye_level - Eigen::Vector3d::Constant(kNear),
+                                 eye_level + Eigen::Vector3d::Constant(kNear));
+  const Eigen::Vector3d beside = Eigen::Vector3d::Constant(kBeside);
+  std::vector<Eigen::AlignedBox3d> far_changes;
+  for (const Eigen::AlignedBox3d& box : touched_)
+    if (!near.contains(box)) far_changes.emplace_back(box.min() - beside, box.max() + beside);
+  active_.clear();
+  for (const RegionShapePtr& shape : all_) {
+    const bool active = near.intersects(shape->bounds) || std::any_of(far_changes.begin(), far_changes.end(),
+                                                                      [&](const Eigen::AlignedBox3d& box) {
+                                                                        return box.intersects(shape->bounds);
+                                                                      });
+    if (active) active_.push_back(shape);
+  }
 }
 
 int ShapeTable::IndexOf(PolygonId id) const {
-  const auto it =
-      std::lower_bound(shapes_.begin(), shapes_.end(), id,
-                       [](const RegionShapePtr& s, PolygonId wanted) { return s->id() < wanted; });
-  return it != shapes_.end() && (*it)->id() == id ? static_cast<int>(it - shapes_.begin()) : -1;
+  const RegionShapePtr* found = FindIn(active_, id);
+  return found ? static_cast<int>(found - active_.data()) : -1;
+}
+
+const RegionShape* ShapeTable::Find(PolygonId id) const {
+  const RegionShapePtr* found = FindIn(all_, id);
+  return found ? found->get() : nullptr;
 }
 
 bool ShapeTable::Touched(const RegionShape& shape, const Eigen::Vector3d& reach) const {

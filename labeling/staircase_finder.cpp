@@ -15,17 +15,21 @@ namespace {
 
 std::optional<FoundStaircase> Complete(const StaircaseConfig& config,
                                        const std::vector<RegionShapePtr>& shapes,
-                                       std::optional<Flight> flight, bool known) {
+                                       std::optional<Flight> flight, const Sight& sight, bool known) {
   if (!flight) return std::nullopt;
   KeepLongestRun(flight->fits);
   if (flight->fits.empty()) return std::nullopt;
-  return WeighFlight(config, *flight, FindFlightEnds(config, shapes, *flight), known);
+  const FlightEnds ends = FindFlightEnds(config, shapes, *flight);
+  const int last_tread = ends.first_step + ends.num_treads() - 1;
+  RefineWithin(config, ends.first_step, ends.last_step, last_tread, *flight);
+  return WeighFlight(config, *flight, ends, sight, known);
 }
 
 }  // namespace
 
 std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<RegionShapePtr>& shapes,
-                                                  const std::vector<FlightModel>& known, bool compete) const {
+                                                  const std::vector<FlightModel>& known, const Sight& sight,
+                                                  bool compete) const {
   std::vector<StepCandidate> candidates = StepCandidates(config_, shapes);
   std::vector<FoundStaircase> found;
   const auto take = [&](FoundStaircase&& staircase) {
@@ -39,7 +43,7 @@ std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<RegionShapeP
   if (!compete) {
     for (const FlightModel& model : known) {
       std::optional<FoundStaircase> staircase =
-          Complete(config_, shapes, FollowFlight(config_, shapes, candidates, model), true);
+          Complete(config_, shapes, FollowFlight(config_, shapes, candidates, model), sight, true);
       if (staircase) take(std::move(*staircase));
     }
   }
@@ -51,7 +55,7 @@ std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<RegionShapeP
       const double bonus = is_known ? 1.0 : 0.0;
       if (!flight || flight->score + bonus <= best_score) return;
       const double score = flight->score + bonus;
-      std::optional<FoundStaircase> staircase = Complete(config_, shapes, std::move(flight), is_known);
+      std::optional<FoundStaircase> staircase = Complete(config_, shapes, std::move(flight), sight, is_known);
       if (!staircase) return;
       best = std::move(staircase);
       best_score = score;

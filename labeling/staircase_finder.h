@@ -6,6 +6,7 @@
 
 #include "labeling/flight_model.h"
 #include "labeling/region_shape.h"
+#include "labeling/sight.h"
 #include "labeling/staircase_config.h"
 
 namespace terrace {
@@ -36,10 +37,12 @@ class StaircaseFinder {
   explicit StaircaseFinder(const StaircaseConfig& config) : config_(config) {}
 
   /// @param known  flights found before: they are looked for first, and need less support to stay
+  /// @param sight  where the camera and the robot are now
   /// @param compete  known flights must stand against new ones; else only what they leave is searched, which
   ///                 is much quicker
   std::vector<FoundStaircase> Find(const std::vector<RegionShapePtr>& shapes,
-                                   const std::vector<FlightModel>& known, bool compete) const;
+                                   const std::vector<FlightModel>& known, const Sight& sight,
+                                   bool compete) const;
 
  private:
   StaircaseConfig config_;

@@ -78,23 +78,109 @@ bool PracticallyEqual(const Staircase& a, const Staircase& b) {
          std::abs(a.confidence - b.confidence) < kConfidence;
 }
 
+/// True when the law that was told is as well known as the new one, and both may be the same: then it rests.
+bool LawRests(const FoundStaircase& told, const FoundStaircase& now) {
+  constexpr double kClearlyBetter = 0.8;
+  const auto rests = [](double a, double sigma_a, double b, double sigma_b) {
+    return std::abs(a - b) <= sigma_a + sigma_b && sigma_b > kClearlyBetter * sigma_a;
+  };
+  const FlightModel& a = told.model;
+  const FlightModel& b = now.model;
+  constexpr double kSameEdge = 0.02;
+  return a.spiral == b.spiral && told.num_risers == now.num_risers &&
+         rests(a.rise_m, told.rise_sigma_m, b.rise_m, now.rise_sigma_m) &&
+         rests(a.run_m, told.run_sigma_m, b.run_m, now.run_sigma_m) &&
+         std::abs(a.foot_z - b.foot_z) < kSameEdge &&
+         (a.EdgePoint(1.0, a.lateral.middle()) - b.EdgePoint(1.0, a.lateral.middle())).norm() < kSameEdge;
+}
+
+/// How many steps of the told flight lie below the first one that was found now.
+int StepsBelow(const FoundStaircase& told, const FoundStaircase& now) {
+  return static_cast<int>(std::lround((now.model.foot_z - told.model.foot_z) / told.model.rise_m));
+}
+
+/// The same flight with its steps counted from `steps` lower.
+void CountFromBelow(FoundStaircase& found, int steps) {
+  FlightModel& m = found.model;
+  const Eigen::Vector2d up = m.UpAt(1.0 - steps);
+  if (m.spiral)
+    m.direction = -m.turn_sign * LeftOf(up);
+  else
+    m.origin -= m.direction * (m.run_m * steps);
+  m.foot_z -= steps * m.rise_m;
+  for (StepMember& member : found.members) member.step_index += steps;
+  found.num_risers += steps;
+  found.num_treads += steps;
+}
+
+bool LookedAt(const TrackedStaircase& staircase, const ShapeTable& table) {
+  // One whose regions are all gone is looked for again.
+  bool any_there = false;
+  for (const StepPlace& place : staircase.places) {
+    if (table.IndexOf(place.region) >= 0) return true;
+    any_there |= table.Find(place.region) != nullptr;
+  }
+  return !any_there;
+}
+
 }  // namespace
 
-std::vector<FlightModel> StaircaseTracker::models() const {
+std::vector<FlightModel> StaircaseTracker::Models(const ShapeTable& table) const {
   std::vector<FlightModel> models;
   for (const Track& track : tracks_)
-    if (track.told) models.push_back(track.staircase.found.model);
+    if (track.told && LookedAt(track.staircase, table)) models.push_back(track.staircase.found.model);
   return models;
 }
 
-void StaircaseTracker::Update(const std::vector<FoundStaircase>& found,
-                              const std::vector<RegionShapePtr>& shapes,
-                              const Eigen::Matrix3d& R_level_world) {
+void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
+  FoundStaircase& told = track.staircase.found;
+  track.rests = false;
+  if (!track.told) {
+    told = std::move(now);
+    return;
+  }
+  // A step that is hidden for some time is still there, and one that appears in a single frame may not be.
+  const int below = StepsBelow(told, now);
+  const bool fewer = below >= 0 && now.num_risers + below <= told.num_risers;
+  const bool same_count =
+      below == 0 && now.num_risers == told.num_risers && now.num_treads == told.num_treads;
+  if (same_count) {
+    track.num_other_count = 0;
+  } else {
+    const bool again = track.other_count == now.num_risers && track.other_below == below;
+    track.num_other_count = again ? track.num_other_count + 1 : 1;
+    track.other_count = now.num_risers;
+    track.other_below = below;
+    constexpr int kPatience = 8;
+    const bool long_enough = track.num_other_count >= (fewer ? kPatience * num_frames_ : num_frames_);
+    if (!long_enough && !fewer) {
+      track.rests = true;  // its regions as they were
+      return;
+    }
+    if (long_enough) {
+      track.num_other_count = 0;
+    } else {
+      if (below > 0) CountFromBelow(now, below);
+      now.num_risers = told.num_risers;
+      now.num_treads = told.num_treads;
+      std::erase_if(now.members, [&](const StepMember& member) {
+        return member.step_index > (member.riser ? now.num_risers : now.num_treads);
+      });
+    }
+  }
+  if (LawRests(told, now)) {
+    now.model = told.model;
+    now.rise_sigma_m = told.rise_sigma_m;
+    now.run_sigma_m = told.run_sigma_m;
+  }
+  told = std::move(now);
+}
+
+void StaircaseTracker::Match(const std::vector<FoundStaircase>& found,
+                             const std::vector<RegionShapePtr>& shapes) {
   std::vector<bool> taken(found.size(), false);
-  std::set<PolygonId> used;
-  const std::size_t num_old = tracks_.size();
-  for (std::size_t t = 0; t < num_old; ++t) {
-    Track& track = tracks_[t];
+  for (Track& track : tracks_) {
+    if (track.away) continue;
     int most = 0;
     std::size_t best = found.size();
     for (std::size_t f = 0; f < found.size(); ++f) {
@@ -112,7 +198,7 @@ void StaircaseTracker::Update(const std::vector<FoundStaircase>& found,
     taken[best] = true;
     track.num_missed = 0;
     ++track.num_found;
-    track.staircase.found = found[best];
+    Adopt(track, found[best]);
   }
   for (std::size_t f = 0; f < found.size(); ++f) {
     if (taken[f]) continue;
@@ -121,28 +207,32 @@ void StaircaseTracker::Update(const std::vector<FoundStaircase>& found,
     track.num_found = 1;
     tracks_.push_back(track);
   }
+}
 
-  const auto present = [&](PolygonId id) {
-    const auto it =
-        std::lower_bound(shapes.begin(), shapes.end(), id,
-                         [](const RegionShapePtr& s, PolygonId wanted) { return s->id() < wanted; });
-    return it != shapes.end() && (*it)->id() == id;
-  };
+/// Which regions belong to each staircase, none to two of them. What was not found keeps those that exist.
+void StaircaseTracker::TakePlaces(const ShapeTable& table) {
+  std::set<PolygonId> used;
+  const auto keeps = [](const Track& track) { return track.away || track.rests || track.num_missed > 0; };
   for (Track& track : tracks_) {
+    if (keeps(track)) continue;
     TrackedStaircase& s = track.staircase;
-    if (track.num_missed == 0) {
-      s.places = PlacesOf(s.found, shapes);
-      s.foot_region = s.found.foot_shape ? shapes[*s.found.foot_shape]->id() : 0;
-      s.head_region = s.found.head_shape ? shapes[*s.found.head_shape]->id() : 0;
-      for (const StepPlace& place : s.places) used.insert(place.region);
-    }
+    s.places = PlacesOf(s.found, table.shapes());
+    s.foot_region = s.found.foot_shape ? table.shapes()[*s.found.foot_shape]->id() : 0;
+    s.head_region = s.found.head_shape ? table.shapes()[*s.found.head_shape]->id() : 0;
+    for (const StepPlace& place : s.places) used.insert(place.region);
   }
   for (Track& track : tracks_) {
-    if (track.num_missed == 0) continue;
+    if (!keeps(track)) continue;
     std::erase_if(track.staircase.places, [&](const StepPlace& place) {
-      return !present(place.region) || !used.insert(place.region).second;
+      return table.Find(place.region) == nullptr || !used.insert(place.region).second;
     });
   }
+}
+
+void StaircaseTracker::Update(const std::vector<FoundStaircase>& found, const ShapeTable& table) {
+  for (Track& track : tracks_) track.away = !LookedAt(track.staircase, table);
+  Match(found, table.shapes());
+  TakePlaces(table);
   std::erase_if(tracks_, [&](const Track& track) {
     return track.staircase.places.empty() || track.num_missed > (track.told ? num_frames_ : 0);
   });
@@ -152,14 +242,11 @@ void StaircaseTracker::Update(const std::vector<FoundStaircase>& found,
     if (!track.told && track.num_found < num_frames_) continue;
     TrackedStaircase& s = track.staircase;
     if (!track.told) s.id = ++last_id_;
-    Staircase now = Publish(s, R_level_world);
+    Staircase now = Publish(s, table.R_level_world());
     if (!track.told || !PracticallyEqual(s.published, now)) s.published = now;
     track.told = true;
-    for (const StepPlace& place : s.places) {
-      const auto it = std::lower_bound(shapes.begin(), shapes.end(), place.region,
-                                       [](const RegionShapePtr& a, PolygonId id) { return a->id() < id; });
-      s.published.last_seen = std::max(s.published.last_seen, (*it)->polygon->last_seen);
-    }
+    for (const StepPlace& place : s.places)
+      s.published.last_seen = std::max(s.published.last_seen, table.Find(place.region)->polygon->last_seen);
     confirmed_.push_back(s);
   }
   std::sort(confirmed_.begin(), confirmed_.end(),

@@ -4,9 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "core/terrain_map.h"
+#include "labeling/shape_table.h"
 #include "labeling/staircase_finder.h"
 
 namespace terrace {
@@ -34,11 +33,12 @@ class StaircaseTracker {
  public:
   explicit StaircaseTracker(int num_frames) : num_frames_(num_frames) {}
 
-  /// The laws of all staircases that have been told, for StaircaseFinder::Find.
-  std::vector<FlightModel> models() const;
+  /// The laws of the staircases that have been told, for StaircaseFinder::Find.
+  /// Those of which nothing is looked at now are left out.
+  std::vector<FlightModel> Models(const ShapeTable& table) const;
 
-  void Update(const std::vector<FoundStaircase>& found, const std::vector<RegionShapePtr>& shapes,
-              const Eigen::Matrix3d& R_level_world);
+  /// @param found  among the shapes of the table that are looked at; staircases elsewhere stay as they are
+  void Update(const std::vector<FoundStaircase>& found, const ShapeTable& table);
 
   /// Ascending by id. No region is in two of them.
   const std::vector<TrackedStaircase>& confirmed() const { return confirmed_; }
@@ -49,7 +49,17 @@ class StaircaseTracker {
     int num_found = 0;   ///< in a row, until confirmed
     int num_missed = 0;  ///< in a row
     bool told = false;
+    bool away = false;        ///< none of its regions is looked at
+    bool rests = false;       ///< found now, but not believed: places stay as they were
+    int num_other_count = 0;  ///< frames in a row that counted `other_count` steps from `other_below` on
+    int other_count = 0;
+    int other_below = 0;
   };
+  /// Takes over what was found now, as far as it is believed.
+  void Adopt(Track& track, FoundStaircase now) const;
+  void Match(const std::vector<FoundStaircase>& found, const std::vector<RegionShapePtr>& shapes);
+  void TakePlaces(const ShapeTable& table);
+
   int num_frames_;
   std::int64_t last_id_ = 0;
   std::vector<Track> tracks_;

@@ -11,6 +11,7 @@
 #include "labeling/reachability.h"
 #include "labeling/region_record.h"
 #include "labeling/shape_table.h"
+#include "labeling/sight.h"
 #include "labeling/staircase_tracker.h"
 #include "labeling/stance.h"
 #include "labeling/step_graph.h"
@@ -67,6 +68,7 @@ class TerrainLabeler::Impl {
       : config_(config),
         stairs_(staircases),
         robot_(robot),
+        camera_(camera),
         T_left_body_(T_body_left ? T_body_left->inverse() : Eigen::Isometry3d::Identity()),
         table_(ShapeLimitsOf(config, robot), Radians(config.max_gravity_change_deg)),
         graph_(StepLimitsOf(config, robot)),
@@ -78,13 +80,14 @@ class TerrainLabeler::Impl {
 
   TerrainMapPtr Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity) {
     ++num_frames_;
-    table_.Update(update, gravity);
+    table_.Update(update, gravity, pose.T_world_left.translation());
     const std::vector<RegionShapePtr>& shapes = table_.shapes();
     const Eigen::Isometry3d T_level_left = Eigen::Isometry3d(table_.R_level_world()) * pose.T_world_left;
-    views_.Look(shapes, T_level_left, update.t_capture);
+    views_.Look(table_, T_level_left, update.t_capture);
     constexpr std::int64_t kCompetePeriod = 5;  // frames
     const bool compete = num_frames_ % kCompetePeriod == 0;
-    tracker_.Update(finder_.Find(shapes, tracker_.models(), compete), shapes, table_.R_level_world());
+    const Sight sight{camera_, T_level_left, GroundUnder(pose)};
+    tracker_.Update(finder_.Find(shapes, tracker_.Models(table_), sight, compete), table_);
     graph_.Update(shapes);
     stances_.Stand((pose.T_world_left * T_left_body_).translation(), table_.R_level_world());
     const std::vector<bool> reachable =
@@ -97,6 +100,12 @@ class TerrainLabeler::Impl {
   const TerrainMapPtr& map() const { return map_; }
 
  private:
+  /// Height of the ground that the robot stands on when its body is as high as the settings say.
+  double GroundUnder(const PoseEstimate& pose) const {
+    const Eigen::Vector3d body_world = (pose.T_world_left * T_left_body_).translation();
+    return (table_.R_level_world() * body_world).z() - robot_.body_height_m;
+  }
+
   /// Anew when the region itself has changed; for a change beside it a few frames later will do.
   void RefreshEdges(int i, RegionRecord& record) const {
     constexpr std::int64_t kPeriod = 8;
@@ -122,27 +131,11 @@ class TerrainLabeler::Impl {
     map->covariance = pose.covariance;
     map->gravity = gravity;
     const std::map<PolygonId, InStaircase> stairs = StairRegions(tracker_.confirmed());
-    std::map<PolygonId, RegionRecord> records;
     for (int i = 0; i < static_cast<int>(table_.shapes().size()); ++i) {
-      const RegionShapePtr& shape = table_.shapes()[i];
-      const auto known = records_.find(shape->id());
-      RegionRecord& record = records[shape->id()];
-      if (known != records_.end()) record = std::move(known->second);
-      const auto step = stairs.find(shape->id());
-      const bool in_stairs = step != stairs.end();
-      if (!in_stairs && !StandsOutOfItsNoise(*shape)) continue;
-      RefreshEdges(i, record);
-      Verdict verdict = verdicts[i];
-      if (in_stairs) {
-        verdict.label = step->second.place.riser ? TerrainLabel::kStairRiser : TerrainLabel::kStairTread;
-        verdict.confidence = step->second.confidence;
-      } else {
-        verdict = record.Steady(verdict, config_.frames_to_change_label);
-      }
-      verdict.confidence = std::min(verdict.confidence, cap);
-      map->regions.push_back(record.Tell(shape, verdict, in_stairs ? &step->second : nullptr));
+      const auto step = stairs.find(table_.shapes()[i]->id());
+      TellRegion(i, verdicts[i], step != stairs.end() ? &step->second : nullptr, cap);
     }
-    records_ = std::move(records);
+    CollectRegions(stairs, *map);
     for (const TrackedStaircase& s : tracker_.confirmed()) {
       map->staircases.push_back(s.published);
       map->staircases.back().confidence = std::min(s.published.confidence, cap);
@@ -150,6 +143,42 @@ class TerrainLabeler::Impl {
     map->seq = map_->seq + (Differs(*map, *map_) ? 1 : 0);
     map_ = map;
     return map_;
+  }
+
+  /// Brings the record of one region up to date.
+  void TellRegion(int i, Verdict verdict, const InStaircase* step, double cap) {
+    const RegionShapePtr& shape = table_.shapes()[i];
+    RegionRecord& record = records_[shape->id()];
+    if (!step && !StandsOutOfItsNoise(*shape)) {
+      record.Withhold();
+      return;
+    }
+    RefreshEdges(i, record);
+    if (step) {
+      const bool riser = step->place.riser;
+      verdict = {riser ? TerrainLabel::kStairRiser : TerrainLabel::kStairTread, step->confidence};
+    } else {
+      verdict = record.Steady(verdict, config_.frames_to_change_label);
+    }
+    verdict.confidence = std::min(verdict.confidence, cap);
+    record.Tell(shape, verdict, step);
+  }
+
+  /// What was told of all regions that exist; what was told of others is forgotten.
+  void CollectRegions(const std::map<PolygonId, InStaircase>& stairs, TerrainMap& map) {
+    map.regions.reserve(table_.all().size());
+    auto record = records_.begin();
+    for (const RegionShapePtr& shape : table_.all()) {
+      while (record != records_.end() && record->first < shape->id()) record = records_.erase(record);
+      if (record == records_.end()) break;
+      if (record->first != shape->id()) continue;
+      // A region that is not looked at now has left its staircase with the others.
+      const bool in_stairs = record->second.told() && record->second.region()->staircase_id.has_value();
+      if (in_stairs && !stairs.contains(shape->id())) record->second.Tell(shape, {}, nullptr);
+      if (record->second.told()) map.regions.push_back(record->second.region());
+      ++record;
+    }
+    records_.erase(record, records_.end());
   }
 
   bool StandsOutOfItsNoise(const RegionShape& shape) const {
@@ -160,6 +189,7 @@ class TerrainLabeler::Impl {
   LabelingConfig config_;
   StaircaseConfig stairs_;
   RobotConfig robot_;
+  StereoCamera camera_;
   Eigen::Isometry3d T_left_body_;
   ShapeTable table_;
   StepGraph graph_;

@@ -40,16 +40,13 @@ void ViewMemory::JudgeTop(const RegionShape& face, const Eigen::Isometry3d& T_le
   ++(seen > cut ? memory.num_seen : memory.num_cut);
 }
 
-void ViewMemory::Look(const std::vector<RegionShapePtr>& shapes, const Eigen::Isometry3d& T_level_left,
-                      Timestamp t_now) {
+void ViewMemory::Look(const ShapeTable& table, const Eigen::Isometry3d& T_level_left, Timestamp t_now) {
   const Eigen::Isometry3d T_left_level = T_level_left.inverse();
-  std::map<PolygonId, Memory> memories;
   tops_.clear();
   nearest_view_m_.clear();
-  for (const RegionShapePtr& shape : shapes) {
-    const auto before = memories_.find(shape->id());
-    const bool fresh = before == memories_.end();
-    Memory memory = fresh ? Memory{} : before->second;
+  for (const RegionShapePtr& shape : table.shapes()) {
+    const auto [entry, fresh] = memories_.try_emplace(shape->id());
+    Memory& memory = entry->second;
     if (fresh || shape->polygon->last_seen >= t_now) {
       const double distance = std::sqrt(shape->bounds.squaredExteriorDistance(T_level_left.translation()));
       memory.nearest_m = fresh ? distance : std::min(memory.nearest_m, distance);
@@ -59,9 +56,11 @@ void ViewMemory::Look(const std::vector<RegionShapePtr>& shapes, const Eigen::Is
                     : memory.num_seen >= memory.num_cut   ? TopView::kSeen
                                                           : TopView::kOutOfView);
     nearest_view_m_.push_back(memory.nearest_m);
-    memories.emplace(shape->id(), memory);
   }
-  memories_ = std::move(memories);
+  // Ids are never used again, so that there is no hurry.
+  constexpr std::size_t kMaxGone = 64;
+  if (memories_.size() > table.all().size() + kMaxGone)
+    std::erase_if(memories_, [&](const auto& entry) { return table.Find(entry.first) == nullptr; });
 }
 
 }  // namespace terrace

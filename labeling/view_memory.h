@@ -9,6 +9,7 @@
 #include "core/camera.h"
 #include "labeling/label_rules.h"
 #include "labeling/region_shape.h"
+#include "labeling/shape_table.h"
 
 namespace terrace {
 
@@ -19,9 +20,8 @@ class ViewMemory {
   /// @param max_depth_m  farther away nothing is judged
   ViewMemory(const StereoCamera& camera, double max_depth_m) : camera_(camera), max_depth_m_(max_depth_m) {}
 
-  /// Looks at all shapes from where the camera is now; forgets those that are gone.
-  void Look(const std::vector<RegionShapePtr>& shapes, const Eigen::Isometry3d& T_level_left,
-            Timestamp t_now);
+  /// Looks from where the camera is now at the shapes that are to be looked at; forgets those that are gone.
+  void Look(const ShapeTable& table, const Eigen::Isometry3d& T_level_left, Timestamp t_now);
 
   /// In the order of the shapes last looked at.
   const std::vector<TopView>& tops() const { return tops_; }

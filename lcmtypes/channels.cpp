@@ -20,8 +20,10 @@ std::vector<std::string> ChannelConfig::Problems() const {
                                                                             {"command", &command},
                                                                             {"reply", &reply},
                                                                             {"pose", &pose},
+                                                                            {"pose_state", &pose_state},
                                                                             {"odometry", &odometry},
                                                                             {"terrain", &terrain},
+                                                                            {"repair", &repair},
                                                                             {"status", &status},
                                                                             {"true_pose", &true_pose}};
   std::vector<std::string> problems;

@@ -28,10 +28,14 @@ struct ChannelConfig {
   std::string reply = "TERRACE_REPLY";
   /// The body in the world, `pose_t`; out.
   std::string pose = "TERRACE_POSE";
+  /// The body in the world with covariance, status and reason, `pose_v1_t`; out.
+  std::string pose_state = "TERRACE_POSE_STATE";
   /// Motion of the left camera between frames, `update_t`; out.
   std::string odometry = "TERRACE_ODOMETRY";
   /// The labelled map, `terrain_v1_t`; out.
   std::string terrain = "TERRACE_TERRAIN";
+  /// What subscribers lack of the terrain, `terrain_repair_v1_t`; in.
+  std::string repair = "TERRACE_REPAIR";
   /// The daemon's state, `status_v1_t`; out.
   std::string status = "TERRACE_STATUS";
   /// True poses of the body in converted logs, `pose_t`; never read by the mapper.

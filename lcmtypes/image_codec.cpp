@@ -11,7 +11,7 @@
 #include <zstd.h>
 
 #include "core/check.h"
-#include "lcmtypes/codec.h"
+#include "lcmtypes/codec_values.h"
 
 namespace terrace {
 namespace {

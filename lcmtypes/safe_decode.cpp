@@ -14,12 +14,16 @@
 #include <terrace/image_t.hpp>
 #include <terrace/images_t.hpp>
 #include <terrace/imu_v1_t.hpp>
+#include <terrace/input_stat_v1_t.hpp>
 #include <terrace/octree_v1_t.hpp>
 #include <terrace/pose_t.hpp>
+#include <terrace/pose_v1_t.hpp>
 #include <terrace/region_v1_t.hpp>
+#include <terrace/repair_step_v1_t.hpp>
 #include <terrace/stage_stat_v1_t.hpp>
 #include <terrace/staircase_v1_t.hpp>
 #include <terrace/status_v1_t.hpp>
+#include <terrace/terrain_repair_v1_t.hpp>
 #include <terrace/terrain_v1_t.hpp>
 #include <terrace/update_t.hpp>
 
@@ -84,6 +88,13 @@ class Walker {
 // the fingerprints with those of the day on which these were written.
 
 void Walk(Walker& walker, const pose_t*) { walker.Skip(8 + 8 * (3 + 3 + 4 + 3 + 3)); }
+
+void Walk(Walker& walker, const pose_v1_t*) {
+  walker.Skip(8 + 8 + 8 + 4 + 1 + 2);
+  walker.String();
+  walker.String();
+  walker.Skip(8 * (3 + 4 + 36) + 1 + 8 * (3 + 3));
+}
 
 void Walk(Walker& walker, const update_t*) { walker.Skip(8 + 8 + 8 * (3 + 4 + 36) + 1); }
 
@@ -153,44 +164,66 @@ void Walk(Walker& walker, const stage_stat_v1_t*) {
 }
 constexpr std::size_t kMinStageStat = 4 + 1 + 8 * 3 + 4 + 4 * 4;
 
+void Walk(Walker& walker, const input_stat_v1_t*) {
+  walker.String();
+  walker.String();
+  walker.Skip(8 + 8 + 4 + 4);
+}
+constexpr std::size_t kMinInputStat = 2 * (4 + 1) + 8 + 8 + 4 + 4;
+
 void Walk(Walker& walker, const status_v1_t*) {
   walker.Skip(8 + 8);
   walker.String();
   walker.String();
   walker.Skip(8 + 4 * 1 + 4);
   walker.String();
+  walker.Skip(2 + 8 + 8 + 4);
   walker.Skip(4 * 5 + 8 * 6 + 4 * 2 + 4 * 3 + 8 + 4 + 8 + 8 + 4);
+  walker.Items(walker.Count(kMinInputStat),
+               [&] { Walk(walker, static_cast<const input_stat_v1_t*>(nullptr)); });
   walker.Items(walker.Count(kMinStageStat),
                [&] { Walk(walker, static_cast<const stage_stat_v1_t*>(nullptr)); });
 }
 
+constexpr std::size_t kRegionBeforeWhy = 8 + 4 + 1 + 1 + 4;
+constexpr std::size_t kRegionBehindWhy = 8 + 8 + 4 + 8 * (3 + 4) + 4 * 6 + 4 * 4 + 8 + 4 + 2 + 2 + 1;
 void Walk(Walker& walker, const region_v1_t*) {
-  walker.Skip(8 + 4 + 1 + 8 + 8 + 4 + 8 * (3 + 4) + 4 * 6);
+  walker.Skip(kRegionBeforeWhy);
+  walker.String();
+  walker.Skip(kRegionBehindWhy);
   walker.Skip(4 * walker.Count(4));
-  const std::size_t num_vertices = walker.Count(1);
+  constexpr std::size_t kEdgeBytes = 1 + 4 + 4;
+  const std::size_t num_vertices = walker.Count(kEdgeBytes);
   walker.Skip(4 * walker.Count(4));
-  walker.Skip(num_vertices);
-  walker.Skip(4 * walker.Count(4));
-  walker.Skip(4 * walker.Count(4));
-  walker.Skip(4 * 5 + 1 + 4 * 8 + 8 + 4);
+  walker.Skip(kEdgeBytes * num_vertices);
 }
-constexpr std::size_t kMinRegion =
-    8 + 4 + 1 + 8 + 8 + 4 + 8 * (3 + 4) + 4 * 6 + 4 * 5 + 4 * 5 + 1 + 4 * 8 + 8 + 4;
+constexpr std::size_t kMinRegion = kRegionBeforeWhy + 4 + 1 + kRegionBehindWhy + 3 * 4;
 
-void Walk(Walker& walker, const staircase_v1_t*) {
-  walker.Skip(8 + 8 + 4 + 4 + 4 * 5 + 8 * (6 + 6) + 4 * (3 + 3));
-  walker.Skip(8 * walker.Count(8));
-}
-constexpr std::size_t kMinStaircase = 8 + 8 + 4 + 4 + 4 * 5 + 8 * (6 + 6) + 4 * (3 + 3) + 4;
+constexpr std::size_t kStaircase = 8 + 8 + 4 + 4 + 4 * 5 + 8 * (6 + 6) + 4 * (3 + 3);
+void Walk(Walker& walker, const staircase_v1_t*) { walker.Skip(kStaircase); }
 
 void Walk(Walker& walker, const terrain_v1_t*) {
-  walker.Skip(8 + 8 + 8);
+  walker.Skip(8 + 8 + 8 + 8 + 4);
   walker.String();
-  walker.Skip(8 * (3 + 4 + 3) + 1 + 8 + 4 + 4);
+  walker.Skip(8 * (3 + 4 + 3 + 4) + 4 * 21 + 8 * 3 + 4 + 1 + 1 + 8 + 4 + 4);
+  walker.Skip(8 * walker.Count(8));
   walker.Skip(8 * walker.Count(8));
   walker.Items(walker.Count(kMinRegion), [&] { Walk(walker, static_cast<const region_v1_t*>(nullptr)); });
-  walker.Items(walker.Count(kMinStaircase),
-               [&] { Walk(walker, static_cast<const staircase_v1_t*>(nullptr)); });
+  walker.Items(walker.Count(kStaircase), [&] { Walk(walker, static_cast<const staircase_v1_t*>(nullptr)); });
+  constexpr std::size_t kSeenBytes = 8 + 2;
+  walker.Skip(kSeenBytes * walker.Count(kSeenBytes));
+}
+
+void Walk(Walker& walker, const repair_step_v1_t*) {
+  walker.Skip(1 + 8);
+  walker.Skip(4 * walker.Count(4));
+}
+constexpr std::size_t kMinRepairStep = 1 + 8 + 4;
+
+void Walk(Walker& walker, const terrain_repair_v1_t*) {
+  walker.Skip(8 + 8 + 8);
+  walker.Items(walker.Count(kMinRepairStep),
+               [&] { Walk(walker, static_cast<const repair_step_v1_t*>(nullptr)); });
 }
 
 }  // namespace
@@ -223,12 +256,16 @@ template std::optional<image_metadata_t> SafeDecode(const void*, std::size_t);
 template std::optional<image_t> SafeDecode(const void*, std::size_t);
 template std::optional<images_t> SafeDecode(const void*, std::size_t);
 template std::optional<imu_v1_t> SafeDecode(const void*, std::size_t);
+template std::optional<input_stat_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<octree_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<pose_t> SafeDecode(const void*, std::size_t);
+template std::optional<pose_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<region_v1_t> SafeDecode(const void*, std::size_t);
+template std::optional<repair_step_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<stage_stat_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<staircase_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<status_v1_t> SafeDecode(const void*, std::size_t);
+template std::optional<terrain_repair_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<terrain_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<update_t> SafeDecode(const void*, std::size_t);
 

@@ -21,20 +21,25 @@ class Bridging {
   /// @param drift_after  covariance of what bridging is wrong by as a rule, by seconds
   PoseEstimate Extend(const PoseEstimate& last, const Motion& predicted,
                       const std::function<Matrix6d(double)>& drift_after);
+  /// Stays where it is, while nothing is known any more.
+  PoseEstimate Hold(const PoseEstimate& last, double dt_s);
+  /// Nothing is known about the time since the last pose: a new clock.
+  void LoseTime();
 
+  /// True when the place is one where the camera can have come to since it was tracked, at the worst.
+  bool CanReach(const Eigen::Isometry3d& T_world_left, const Eigen::Isometry3d& bridged_T_world_left) const;
   /// How far off at the worst, after one more step: how far to search.
   Matrix6d SearchCovariance(const Motion& predicted) const;
 
   double bridged_s() const { return bridged_s_; }
-  /// Of the last pose against the last that was tracked, at the worst.
-  const Matrix6d& covariance() const { return covariance_; }
   const Eigen::Isometry3d& T_world_seen() const { return T_world_seen_; }
 
  private:
   Eigen::Isometry3d T_world_seen_ = Eigen::Isometry3d::Identity();  ///< where the camera was tracked last
   Matrix6d seen_covariance_ = Matrix6d::Zero();                     ///< of that
   double bridged_s_ = 0.0;                                          ///< since
-  Matrix6d covariance_ = Matrix6d::Zero();
+  int num_steps_ = 0;                                               ///< since
+  Matrix6d covariance_ = Matrix6d::Zero();  ///< of the last pose against that, at the worst
 };
 
 }  // namespace terrace

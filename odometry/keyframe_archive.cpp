@@ -95,7 +95,7 @@ void KeyframeArchive::Add(const Keyframe& keyframe, const std::vector<Landmark>&
 
 std::optional<KeyframeArchive::Recognition> KeyframeArchive::Recognize(
     const ImagePyramid& left, const std::vector<Landmark>& landmarks,
-    const Eigen::Isometry3d& expected_T_world_left, std::uint32_t seed) const {
+    const Eigen::Isometry3d& expected_T_world_left, int attempt, std::uint32_t seed) const {
   constexpr std::size_t kMaxTried = 8;
   constexpr int kMaxDistance = 64;
   constexpr double kMaxRatio = 0.8;  // of the best to the second best
@@ -117,6 +117,9 @@ std::optional<KeyframeArchive::Recognition> KeyframeArchive::Recognize(
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](const auto* a, const auto* b) { return Apart(a) < Apart(b); });
+  order.erase(order.begin(),
+              order.begin() + static_cast<std::ptrdiff_t>(
+                                  std::min(order.size(), kMaxTried * static_cast<std::size_t>(attempt))));
   if (order.size() > kMaxTried) order.resize(kMaxTried);
 
   std::optional<Recognition> best;

@@ -55,8 +55,9 @@ class KeyframeArchive {
   };
   /// Compares new features with the keyframes nearest to where the camera should be.
   /// @param landmarks  features of the frame with their disparities
+  /// @param attempt  0: with the nearest; then with the next ones, and so on
   std::optional<Recognition> Recognize(const ImagePyramid& left, const std::vector<Landmark>& landmarks,
-                                       const Eigen::Isometry3d& expected_T_world_left,
+                                       const Eigen::Isometry3d& expected_T_world_left, int attempt,
                                        std::uint32_t seed) const;
 
   const std::vector<ArchivedKeyframe>& keyframes() const { return keyframes_; }

@@ -15,6 +15,7 @@ namespace {
 constexpr double kModelRotationSigma = 1.0;     // rad / s
 constexpr double kModelTranslationSigma = 0.8;  // m / s
 constexpr double kGyroRotationSigma = 0.05;     // rad / s
+constexpr double kUnknownVelocitySigma = 1.0;   // m / s
 
 Matrix6d DiagonalCovariance(double rotation_sigma, double translation_sigma) {
   Matrix6d m = Matrix6d::Zero();
@@ -40,7 +41,7 @@ Motion MotionModel::Predict(const PoseEstimate& last, Timestamp t_capture, const
     Eigen::Isometry3d T_world_imu = Eigen::Isometry3d::Identity();
     T_world_imu.linear() = predicted.R_world_imu;
     T_world_imu.translation() = predicted.p_world;
-    motion.T_last_left = last.T_world_left.inverse() * T_world_imu * mounting_.T_left_imu->inverse();
+    motion.T_last_left = Chained(last.T_world_left.inverse() * T_world_imu, mounting_.T_left_imu->inverse());
     motion.velocity_world = predicted.v_world;
     const double fall_m = 0.5 * kGravityMagnitude * gravity.sigma_rad * motion.dt_s * motion.dt_s;
     motion.covariance = DiagonalCovariance(kGyroRotationSigma * motion.dt_s + 0.001,
@@ -48,7 +49,8 @@ Motion MotionModel::Predict(const PoseEstimate& last, Timestamp t_capture, const
     return motion;
   }
   if (leg_motion_) {
-    motion.T_last_left = mounting_.T_body_left->inverse() * leg_motion_->T_odom_body * *mounting_.T_body_left;
+    motion.T_last_left =
+        Chained(mounting_.T_body_left->inverse() * leg_motion_->T_odom_body, *mounting_.T_body_left);
     motion.velocity_world = imu_velocity_world_;
     motion.by_legs = true;
     constexpr double kLegRotationSigma = 0.01;
@@ -116,6 +118,25 @@ void MotionModel::Bridge(const Motion& predicted, const Gravity& gravity) {
   rotation_rate_.setZero();
   imu_velocity_world_ = predicted.velocity_world;
   imu_velocity_sigma_ += kGravityMagnitude * gravity.sigma_rad * predicted.dt_s + 0.01 * predicted.dt_s;
+}
+
+void MotionModel::Lose() {
+  velocity_world_.setZero();
+  mean_velocity_world_.setZero();
+  rotation_rate_.setZero();
+  mean_rotation_rate_.setZero();
+  imu_velocity_world_.setZero();
+  imu_velocity_sigma_ = kUnknownVelocitySigma;
+  keyframe_imu_gapless_ = false;
+}
+
+void MotionModel::Restart() {
+  Lose();
+  imu_in_use_ = false;
+  imu_since_last_.reset();
+  imu_since_keyframe_.reset();
+  newest_leg_.reset();
+  leg_motion_.reset();
 }
 
 void MotionModel::FillKeyframe(const KeyframeState& before, Keyframe& keyframe) const {

@@ -49,6 +49,12 @@ class MotionModel {
                const KeyframeState& biases, const Gravity& gravity);
   /// They have not.
   void Bridge(const Motion& predicted, const Gravity& gravity);
+  /// They have not for so long that nothing is known about velocities any more.
+  void Lose();
+  /// The clock was set.
+  void LoseTime() { newest_sample_.reset(); }
+  /// Another world begins. What is known about the IMU itself stays.
+  void Restart();
   /// What the refined window says about a keyframe at the last pose.
   void Refine(const KeyframeState& newest) { imu_velocity_world_ = newest.velocity_world; }
 
@@ -92,7 +98,7 @@ class MotionModel {
   bool imu_gapless_ = false;          ///< since the last frame
   bool keyframe_imu_gapless_ = true;  ///< since the newest keyframe
   Eigen::Vector3d imu_velocity_world_ = Eigen::Vector3d::Zero();
-  double imu_velocity_sigma_ = 1.0;
+  double imu_velocity_sigma_ = 1.0;  ///< m/s
 
   std::optional<BodyPrior> newest_leg_;
   std::optional<BodyPrior> leg_motion_;  ///< since the last frame

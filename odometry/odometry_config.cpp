@@ -18,6 +18,8 @@ std::vector<std::string> OdometryConfig::Problems() const {
   Require(archived_keyframes >= 2 && archived_keyframes <= 10000, "archived_keyframes must lie in 2..10000");
   Require(optimizer_iterations >= 0 && optimizer_iterations <= 50, "optimizer_iterations must lie in 0..50");
   Require(max_bridging_s > 0.0, "max_bridging_s must be positive");
+  Require(max_speed_mps > 0.0, "max_speed_mps must be positive");
+  Require(max_turn_rate_dps > 0.0, "max_turn_rate_dps must be positive");
   Require(max_vertical_disparity_px > 0.0, "max_vertical_disparity_px must be positive");
   return problems;
 }

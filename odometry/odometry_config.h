@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
-#include <Eigen/Geometry>
-
-#include "core/camera.h"
+#include "odometry/mounting.h"
 
 namespace terrace {
 
@@ -34,20 +31,18 @@ struct OdometryConfig {
   /// Below this many points that agree, the images do not count as tracked; with an IMU, half as many will
   /// do.
   int min_inliers = 15;
-  /// Bridging longer than this without an image that counts is being lost.
+  /// Bridging longer than this without an image that counts is being lost. Then either a place is recognised,
+  /// or a new world begins.
   double max_bridging_s = 2.0;
+  /// Faster than this the camera never moves: what says so is not believed.
+  double max_speed_mps = 25.0;
+  /// Nor does it turn faster than this.
+  double max_turn_rate_dps = 1500.0;
   /// Vertical disparity of the pair beyond which a warning names the calibration.
   double max_vertical_disparity_px = 0.5;
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;
-};
-
-/// What is known about how the rectified left camera sits on the robot.
-struct Mounting {
-  std::optional<Eigen::Isometry3d> T_body_left;
-  std::optional<Eigen::Isometry3d> T_left_imu;
-  ImuNoise imu_noise;
 };
 
 }  // namespace terrace

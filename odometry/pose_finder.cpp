@@ -20,6 +20,8 @@ constexpr double kDoubtful = 0.8;
 /// Frames that agreed with a landmark: from then on it is known to stand still, as long as it is seen.
 constexpr int kKnownFrames = 3;
 constexpr double kKnownTrust = 0.3;
+/// Variance of residuals over what the patches claim, at most.
+constexpr double kMaxNoiseScale = 30.0;
 
 /// On which single patches are searched for widely when nothing at all was found: it takes longest.
 constexpr int kLastResort = 1;
@@ -77,10 +79,10 @@ std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const Im
   PosePrior prior = expected.prior;
   if (!expected.measured) prior.information *= 0.01;  // only against what the images leave open
   for (const int start_level : {0, 2}) {
-    Found fine = Solve(window,
-                       tracker_.Track(window, left, right, rough->solution.T_world_left, expected.vertical_px,
-                                      {start_level, 0, 2, true}),
-                       prior, expected.seed);
+    Found fine = SolveAtItsNoise(window,
+                                 tracker_.Track(window, left, right, rough->solution.T_world_left,
+                                                expected.vertical_px, {start_level, 0, 2, true}),
+                                 prior, expected.seed);
     constexpr double kMinInlierShare = 0.35;
     if (!Enough(fine, expected) ||
         fine.solution.num_inliers < kMinInlierShare * static_cast<double>(fine.matches.size()))
@@ -91,6 +93,7 @@ std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const Im
       continue;
     only_strangers_ = FollowsStrangers(fine, expected);
     if (only_strangers_) continue;
+    noise_scale_ = fine.noise_scale;
     UpdateNoiseScale(fine.solution);
     last_small_ = left[kSmallLevel];
     fine.doubt = Doubt(fine, candidates, expected);
@@ -138,7 +141,7 @@ std::vector<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, con
     weak.T_world_left = from;
     double score = 0.0;
     for (int round = 0; round < kMaxRounds; ++round) {
-      Found found = Solve(window, TrackFrom(weak.T_world_left), weak, expected.seed);
+      Found found = Solve(window, TrackFrom(weak.T_world_left), weak, expected.seed, noise_scale_);
       const bool better = found.score > kGain * score;
       score = found.score;
       weak.T_world_left = found.solution.T_world_left;
@@ -151,7 +154,7 @@ std::vector<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, con
     constexpr int kMaxGroups = 3;
     constexpr int kMinGroup = 6;
     for (int group = 0; group < kMaxGroups; ++group) {
-      const Found found = Solve(window, matches, prior, expected.seed);
+      const Found found = Solve(window, matches, prior, expected.seed, noise_scale_);
       if (found.solution.num_inliers < kMinGroup) return;
       Follow(found.solution.T_world_left);
       if (Believed()) return;
@@ -166,7 +169,7 @@ std::vector<PoseFinder::Found> PoseFinder::FindRoughly(const Window& window, con
     PosePrior weak = expected.prior;
     weak.T_world_left = from;
     Matches matches = TrackFrom(from);
-    Consider(Solve(window, matches, weak, expected.seed));
+    Consider(Solve(window, matches, weak, expected.seed, noise_scale_));
     if (!Believed()) FollowGroups(std::move(matches), weak);
     if (Believed()) break;
   }
@@ -257,16 +260,37 @@ bool PoseFinder::FollowsStrangers(const Found& found, const Expectation& expecte
   return !expected.measured && found.num_known_tried >= kEnoughKnown && of_known < kMuchLess * of_all;
 }
 
-/// With an IMU the turn is known and the step nearly so: half as many will do.
+/// With an IMU the turn is known and the step nearly so: half as many will do. Places look alike: who is lost
+/// needs twice as many.
 bool PoseFinder::Enough(const Found& found, const Expectation& expected) const {
-  return found.solution.num_inliers >= (expected.measured ? (min_inliers_ + 1) / 2 : min_inliers_);
+  const int enough = expected.lost       ? 2 * min_inliers_
+                     : expected.measured ? (min_inliers_ + 1) / 2
+                                         : min_inliers_;
+  return found.solution.num_inliers >= enough;
+}
+
+/// A rolling shutter or a bad lens makes nearly everything disagree a little: then few agree, and these not
+/// well. Where something moves, the rest agrees as well as ever. Raises the noise until most agree.
+PoseFinder::Found PoseFinder::SolveAtItsNoise(const Window& window, const Matches& matches,
+                                              const PosePrior& prior, std::uint32_t seed) const {
+  constexpr double kMostAgree = 0.6;
+  constexpr double kBadly = 1.4;  // mean chi2 of a component, of those that agree
+  constexpr double kStep = 2.0;
+  Found found = Solve(window, matches, prior, seed, noise_scale_);
+  const double all = static_cast<double>(found.matches.size());
+  for (double scale = kStep * noise_scale_; scale <= kMaxNoiseScale && found.solution.mean_chi2 > kBadly &&
+                                            found.solution.num_inliers < kMostAgree * all;
+       scale *= kStep)
+    found = Solve(window, matches, prior, seed, scale);
+  return found;
 }
 
 PoseFinder::Found PoseFinder::Solve(const Window& window, Matches matches, const PosePrior& prior,
-                                    std::uint32_t seed) const {
+                                    std::uint32_t seed, double noise_scale) const {
   Found found;
+  found.noise_scale = noise_scale;
   found.matches = std::move(matches.found);
-  found.solution = SolvePose(Constraints(window, found.matches), prior, camera_, seed);
+  found.solution = SolvePose(Constraints(window, found.matches, noise_scale), prior, camera_, seed);
   for (std::size_t i = 0; i < found.matches.size(); ++i) {
     if (!found.solution.inlier[i]) continue;
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(found.matches[i].landmark)];
@@ -282,8 +306,8 @@ PoseFinder::Found PoseFinder::Solve(const Window& window, Matches matches, const
   return found;
 }
 
-std::vector<PoseConstraint> PoseFinder::Constraints(const Window& window,
-                                                    const std::vector<Match>& matches) const {
+std::vector<PoseConstraint> PoseFinder::Constraints(const Window& window, const std::vector<Match>& matches,
+                                                    double noise_scale) const {
   std::vector<PoseConstraint> constraints;
   constraints.reserve(matches.size());
   for (const Match& match : matches) {
@@ -296,7 +320,7 @@ std::vector<PoseConstraint> PoseFinder::Constraints(const Window& window,
     c.uvd = match.measurement.uvd;
     c.whitening =
         Whitening(match.measurement, match.predicted.uvd_by_inverse_depth, landmark.inverse_depth_sigma);
-    c.whitening /= std::sqrt(noise_scale_);
+    c.whitening /= std::sqrt(noise_scale);
     c.trust = landmark.trust();
     constraints.push_back(c);
   }
@@ -307,12 +331,11 @@ std::vector<PoseConstraint> PoseFinder::Constraints(const Window& window,
 void PoseFinder::UpdateNoiseScale(const PoseSolution& solution) {
   constexpr double kMedianChi2 = 2.37;  // of three components
   constexpr double kRate = 0.05;
-  constexpr double kMaxScale = 30.0;
   std::vector<double> chi2 = solution.chi2;
   const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
   std::nth_element(chi2.begin(), middle, chi2.end());
-  noise_scale_ =
-      std::clamp(noise_scale_ * (1.0 + kRate * (std::min(*middle / kMedianChi2, 3.0) - 1.0)), 1.0, kMaxScale);
+  noise_scale_ = std::clamp(noise_scale_ * (1.0 + kRate * (std::min(*middle / kMedianChi2, 3.0) - 1.0)), 1.0,
+                            kMaxNoiseScale);
 }
 
 }  // namespace terrace

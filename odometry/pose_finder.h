@@ -20,6 +20,8 @@ struct Expectation {
   PosePrior prior;
   /// Measured (by an IMU), not only presumed: the prior then has a say in the pose.
   bool measured = false;
+  /// Nothing is known: then it takes more to be believed.
+  bool lost = false;
   double vertical_px = 0.0;  ///< how much lower the right image is known to be
   std::uint32_t seed = 0;
 };
@@ -40,6 +42,7 @@ class PoseFinder {
     double mean_trust_expected = 0.0;  ///< of all that was expected
     int num_known = 0;                 ///< inliers that have stood still before
     int num_known_tried = 0;           ///< of all that were looked for
+    double noise_scale = 1.0;          ///< variance of residuals over what the patches claim
     /// How far off the pose may be, beyond what its information says, because another motion explains nearly
     /// as much: covariance in its own frame; none: no other does.
     std::optional<Matrix6d> doubt;
@@ -56,8 +59,12 @@ class PoseFinder {
  private:
   bool Enough(const Found& found, const Expectation& expected) const;
   static bool FollowsStrangers(const Found& found, const Expectation& expected);
-  std::vector<PoseConstraint> Constraints(const Window& window, const std::vector<Match>& matches) const;
-  Found Solve(const Window& window, Matches matches, const PosePrior& prior, std::uint32_t seed) const;
+  std::vector<PoseConstraint> Constraints(const Window& window, const std::vector<Match>& matches,
+                                          double noise_scale) const;
+  Found Solve(const Window& window, Matches matches, const PosePrior& prior, std::uint32_t seed,
+              double noise_scale) const;
+  Found SolveAtItsNoise(const Window& window, const Matches& matches, const PosePrior& prior,
+                        std::uint32_t seed) const;
   /// Best first: what explains most, then the other motions that were considered.
   std::vector<Found> FindRoughly(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
                                  const Expectation& expected);

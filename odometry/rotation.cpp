@@ -33,6 +33,12 @@ Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& phi) {
 
 Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& phi) { return RightJacobian(phi).inverse(); }
 
+Eigen::Isometry3d Chained(const Eigen::Isometry3d& T_a_b, const Eigen::Isometry3d& T_b_c) {
+  Eigen::Isometry3d T_a_c = T_a_b * T_b_c;
+  T_a_c.linear() = Normalized(T_a_c.linear());
+  return T_a_c;
+}
+
 Eigen::Isometry3d Perturb(const Eigen::Isometry3d& T, const Vector6d& step) {
   Eigen::Isometry3d out;
   out.linear() = Normalized(T.linear() * ExpRotation(step.head<3>()));

@@ -26,6 +26,10 @@ Eigen::Matrix3d Normalized(const Eigen::Matrix3d& R);
 Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& phi);
 Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& phi);
 
+/// T_a_b * T_b_c with a rotation that stays one however long the chain. Inverting a pose transposes its
+/// rotation, so that rounding would otherwise grow with every link.
+Eigen::Isometry3d Chained(const Eigen::Isometry3d& T_a_b, const Eigen::Isometry3d& T_b_c);
+
 /// Moves a pose by a small step in its own frame: rotation [rad], then translation [m].
 Eigen::Isometry3d Perturb(const Eigen::Isometry3d& T, const Vector6d& step);
 

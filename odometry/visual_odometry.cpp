@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "odometry/visual_odometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "core/check.h"
 #include "odometry/bridging.h"
 #include "odometry/covariance.h"
+#include "odometry/credible.h"
 #include "odometry/image_pyramid.h"
 #include "odometry/keyframe_archive.h"
 #include "odometry/keyframe_maker.h"
@@ -27,6 +29,8 @@ namespace {
 /// One landmark's errors in neighbouring frames resemble each other (texture, interpolation, slant), so that
 /// many observations know less than their number says. Measured on rendered walks, in variance.
 constexpr double kCorrelation = 4.5;
+/// Rad and m: no prediction is better than this.
+constexpr double kLeastSigma = 0.001;
 
 }  // namespace
 
@@ -52,16 +56,20 @@ class VisualOdometry::Impl {
     const ImagePyramid left = BuildPyramid(frame.left);
     const ImagePyramid right = BuildPyramid(frame.right);
     sightings_ = {};
-    if (!last_) return Start(frame, left, right, samples);
+    if (!last_) return Start(frame, left, right, samples, {});
 
+    if (frame.t_capture <= last_->t_capture) LoseTime(frame.t_capture);
     Read(samples, frame.t_capture);
     const Motion predicted = Predict(frame.t_capture);
-    const auto found = pose_finder_.Find(window_, left, right, Expected(frame, predicted));
-    if (!found) return Unfound(frame, left, right, predicted);
+    const Expectation expected = Expected(frame, predicted);
+    const auto found = pose_finder_.Find(window_, left, right, expected);
+    if (!found || !CanHaveMovedTo(found->solution.T_world_left, predicted.dt_s))
+      return Unfound(frame, left, right, samples, predicted);
 
     PoseEstimate pose = Tracked(frame, *found);
+    if (expected.lost) motion_.Lose();
     motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_.gravity());
-    if (motion_.ImuContradicts(pose, predicted)) RefuseImu();
+    if (!expected.lost && motion_.ImuContradicts(pose, predicted)) RefuseImu();
     if (!motion_.imu_in_use()) gravity_.FollowAttitude(samples, pose);
     if (const auto warning = vertical_.Update(found->matches, found->solution)) warnings_.push_back(*warning);
     CountFates(*found, window_);
@@ -85,8 +93,26 @@ class VisualOdometry::Impl {
       pose.reason = reason;
       return pose;
     }
+    if (t_capture <= last_->t_capture) LoseTime(t_capture);
     Read(samples, t_capture);
     return Bridged(frame_id, t_capture, Predict(t_capture), reason);
+  }
+
+  /// What is given out: with the epoch, and whether it may be mapped.
+  PoseEstimate Published(PoseEstimate pose) const {
+    pose.epoch = epoch_;
+    pose.trusted = pose.status == TrackingStatus::kTracking && pose.reason.empty();
+    return pose;
+  }
+  /// Samples that can have been measured; tells the user once when some cannot.
+  SensorSamples Believable(const SensorSamples& samples) {
+    const bool told = num_incredible_ > 0;
+    SensorSamples credible = Credible(samples, &num_incredible_);
+    if (!told && num_incredible_ > 0)
+      warnings_.push_back(
+          "a reading of the IMU, attitude or leg odometry is not finite or beyond what a sensor can measure: "
+          "such readings are left out");
+    return credible;
   }
 
   const Gravity& gravity() const { return gravity_.gravity(); }
@@ -95,8 +121,9 @@ class VisualOdometry::Impl {
   void Apply(const GravityHint& hint) { gravity_.Take(hint); }
 
  private:
+  /// @param biases  of the IMU, as far as they are known
   PoseEstimate Start(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
-                     const SensorSamples& samples) {
+                     const SensorSamples& samples, const KeyframeState& biases) {
     const WorldFrame world = LayWorldFrame(config_, mounting_, samples);
     if (!world.warning.empty() && warnings_.empty()) warnings_.push_back(world.warning);
     gravity_.Start(world.gravity);
@@ -106,6 +133,8 @@ class VisualOdometry::Impl {
     pose.status = TrackingStatus::kTracking;
     pose.T_world_left = world.T_world_left;
     AddKeyframe(frame, left, right, pose.T_world_left, {});
+    window_.keyframes.back().gyro_bias = biases.gyro_bias;
+    window_.keyframes.back().accel_bias = biases.accel_bias;
     StartWindow(Matrix6d::Zero());
     Read(samples, frame.t_capture);
     if (static_cast<int>(window_.landmarks.size()) < config_.min_inliers) {
@@ -117,6 +146,20 @@ class VisualOdometry::Impl {
     pose.num_matches = pose.num_inliers = static_cast<int>(window_.landmarks.size());
     Remember(pose);
     return pose;
+  }
+
+  /// Where the camera has come to cannot be known any more: another world begins at this frame.
+  PoseEstimate BeginAnew(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
+                         const SensorSamples& samples) {
+    ++epoch_;
+    const KeyframeState biases = window_.keyframes.back();
+    window_ = {};
+    archive_ = KeyframeArchive(camera_, config_.archived_keyframes);
+    bridging_ = {};
+    own_covariance_.setZero();
+    last_.reset();
+    motion_.Restart();
+    return Start(frame, left, right, samples, biases);
   }
 
   /// A fresh prior, on the oldest keyframe of the window.
@@ -135,9 +178,41 @@ class VisualOdometry::Impl {
     StartWindow(keyframe_covariance_);
   }
 
+  /// What cannot be is not predicted: then the camera is taken to stay where it is.
   Motion Predict(Timestamp t_capture) const {
-    return motion_.Predict(*last_, t_capture, window_.keyframes.back(), gravity());
+    Motion motion = motion_.Predict(*last_, t_capture, window_.keyframes.back(), gravity());
+    const bool can_be = IsPose(motion.T_last_left) && CanMove(motion.T_last_left, motion.dt_s) &&
+                        motion.covariance.allFinite() && motion.velocity_world.norm() < config_.max_speed_mps;
+    if (can_be) return motion;
+    Motion rest;
+    rest.dt_s = std::max(motion.dt_s, 0.0);
+    const double reach_m = config_.max_speed_mps * rest.dt_s;
+    rest.covariance.diagonal() << Vector6d::Constant(reach_m * reach_m);
+    rest.covariance.diagonal().array() += kLeastSigma * kLeastSigma;
+    return rest;
   }
+
+  /// False for what is farther than the robot can go in this time.
+  bool CanMove(const Eigen::Isometry3d& T_last_left, double dt_s) const {
+    constexpr double kSlackM = 0.5;  // of the pose before
+    constexpr double kSlackRad = 0.5;
+    const double max_turn_rad = config_.max_turn_rate_dps * M_PI / 180.0 * dt_s;
+    return T_last_left.translation().norm() < config_.max_speed_mps * dt_s + kSlackM &&
+           LogRotation(T_last_left.linear()).norm() < max_turn_rad + kSlackRad;
+  }
+  bool CanHaveMovedTo(const Eigen::Isometry3d& T_world_left, double dt_s) const {
+    return IsPose(T_world_left) &&
+           CanMove(bridging_.T_world_seen().inverse() * T_world_left, bridging_.bridged_s() + dt_s);
+  }
+
+  /// The clock was set back: nobody knows how much time has passed.
+  void LoseTime(Timestamp t_capture) {
+    bridging_.LoseTime();
+    motion_.LoseTime();
+    last_->t_capture = t_capture;
+  }
+
+  bool Lost() const { return bridging_.bridged_s() > config_.max_bridging_s; }
 
   void RefuseImu() {
     motion_.RefuseImu();
@@ -168,9 +243,15 @@ class VisualOdometry::Impl {
   Expectation Expected(const StereoFrame& frame, const Motion& predicted) const {
     Expectation expected;
     expected.T_world_seen = bridging_.T_world_seen();
-    expected.prior.T_world_left = last_->T_world_left * predicted.T_last_left;
+    expected.prior.T_world_left = Chained(last_->T_world_left, predicted.T_last_left);
     expected.prior.information = Inverse(bridging_.SearchCovariance(predicted));
     expected.measured = motion_.imu_in_use();
+    if (bridging_.bridged_s() + predicted.dt_s > config_.max_bridging_s) {
+      constexpr double kLostSigma = 0.3;  // rad and m: searches go on from there
+      expected.prior.information = Matrix6d::Identity() / (kLostSigma * kLostSigma);
+      expected.measured = false;
+      expected.lost = true;
+    }
     expected.vertical_px = vertical_.vertical_px();
     expected.seed = static_cast<std::uint32_t>(frame.frame_id);
     return expected;
@@ -206,26 +287,31 @@ class VisualOdometry::Impl {
 
   PoseEstimate Bridged(FrameId frame_id, Timestamp t_capture, const Motion& predicted,
                        const std::string& reason) {
+    const bool was_lost = Lost();
     const double scale = std::sqrt(kCorrelation);
     ImuSigmas known = optimizer_.newest_imu_sigmas();
     known = {scale * known.velocity, scale * known.gyro_bias, scale * known.accel_bias};
-    PoseEstimate pose = bridging_.Extend(
-        *last_, predicted, [&](double t_s) { return motion_.DriftCovariance(t_s, known, gravity()); });
+    const auto DriftAfter = [&](double t_s) { return motion_.DriftCovariance(t_s, known, gravity()); };
+    PoseEstimate pose =
+        was_lost ? bridging_.Hold(*last_, predicted.dt_s) : bridging_.Extend(*last_, predicted, DriftAfter);
     pose.frame_id = frame_id;
     pose.t_capture = t_capture;
-    pose.status =
-        bridging_.bridged_s() <= config_.max_bridging_s ? TrackingStatus::kBridging : TrackingStatus::kLost;
+    pose.status = Lost() ? TrackingStatus::kLost : TrackingStatus::kBridging;
     pose.reason = reason;
     pose.vertical_disparity_px = vertical_.vertical_px();
-    motion_.Bridge(predicted, gravity());
+    if (Lost())
+      motion_.Lose();
+    else
+      motion_.Bridge(predicted, gravity());
     Remember(pose);
     return pose;
   }
 
-  /// Nothing of the window was found: bridge, and when images stay good but strange, start a new window from
-  /// the bridged pose.
+  /// Nothing of the window was found: bridge, and look whether the place is known from before. When images
+  /// stay good but strange, a new window starts from the bridged pose; where nobody knows any more where that
+  /// is, another world begins.
   PoseEstimate Unfound(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
-                       const Motion& predicted) {
+                       const SensorSamples& samples, const Motion& predicted) {
     constexpr int kMaxStrangeFrames = 4;
     PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted,
                                 pose_finder_.only_strangers() ? "only what moves through the view was found"
@@ -237,12 +323,15 @@ class VisualOdometry::Impl {
     }
     for (const Keyframe& keyframe : window_.keyframes)
       archive_.Add(keyframe, window_.landmarks, keyframe_covariance_);
-    const auto known =
-        archive_.Recognize(left, landmarks, pose.T_world_left, static_cast<std::uint32_t>(frame.frame_id));
-    if (known && Plausible(known->T_world_left, pose)) {
+    const bool lost = Lost();
+    const auto known = archive_.Recognize(left, landmarks, pose.T_world_left, lost ? num_strange_frames_ : 0,
+                                          static_cast<std::uint32_t>(frame.frame_id));
+    if (known && (lost ? known->num_inliers >= 2 * config_.min_inliers
+                       : bridging_.CanReach(known->T_world_left, pose.T_world_left))) {
       pose.status = TrackingStatus::kTracking;
       pose.reason.clear();
       pose.T_world_left = known->T_world_left;
+      pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
       pose.covariance = known->covariance;
       pose.num_inliers = known->num_inliers;
       Remember(pose);
@@ -250,6 +339,7 @@ class VisualOdometry::Impl {
       return pose;
     }
     num_strange_frames_ = 0;
+    if (lost && pose.status != TrackingStatus::kTracking) return BeginAnew(frame, left, right, samples);
     const KeyframeState biases = window_.keyframes.back();
     window_ = {};
     AddKeyframe(frame, left, right, pose.T_world_left, {});
@@ -258,13 +348,6 @@ class VisualOdometry::Impl {
     window_.keyframes.back().velocity_world = motion_.imu_velocity_world();
     StartWindow(pose.covariance);
     return pose;
-  }
-
-  /// Places look alike: a recognised one must be where the camera can have come to since it was tracked.
-  bool Plausible(const Eigen::Isometry3d& T_world_left, const PoseEstimate& bridged) const {
-    constexpr double kMaxChi2 = 40.0;  // of six components; generous, as the motion is only presumed
-    const Vector6d step = StepBetween(bridged.T_world_left, T_world_left);
-    return Chi2(step, bridging_.covariance()) < kMaxChi2;
   }
 
   void Remember(const PoseEstimate& pose) {
@@ -303,8 +386,10 @@ class VisualOdometry::Impl {
   Matrix6d keyframe_covariance_ = Matrix6d::Zero();  ///< of the newest keyframe against the first pose
   std::optional<PoseEstimate> last_;
   Matrix6d own_covariance_ = Matrix6d::Zero();  ///< of the last tracked frame against its keyframe
-  int num_strange_frames_ = 0;                  ///< in a row, with features enough but none of the window's
-  FrameSightings sightings_;                    ///< of the last frame
+  int epoch_ = 0;
+  int num_incredible_ = 0;      ///< readings that no sensor can have made
+  int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's
+  FrameSightings sightings_;    ///< of the last frame
   std::vector<std::string> warnings_;
 };
 
@@ -314,13 +399,11 @@ VisualOdometry::VisualOdometry(const OdometryConfig& config, const StereoCamera&
 VisualOdometry::~VisualOdometry() = default;
 
 PoseEstimate VisualOdometry::Track(const StereoFrame& frame, const SensorSamples& samples) {
-  PoseEstimate pose = impl_->Track(frame, samples);
-  pose.trusted = pose.status == TrackingStatus::kTracking && pose.reason.empty();
-  return pose;
+  return impl_->Published(impl_->Track(frame, impl_->Believable(samples)));
 }
 PoseEstimate VisualOdometry::Bridge(FrameId frame_id, Timestamp t_capture, const SensorSamples& samples,
                                     const std::string& reason) {
-  return impl_->Bridge(frame_id, t_capture, samples, reason);
+  return impl_->Published(impl_->Bridge(frame_id, t_capture, impl_->Believable(samples), reason));
 }
 const Gravity& VisualOdometry::gravity() const { return impl_->gravity(); }
 const FrameSightings& VisualOdometry::sightings() const { return impl_->sightings(); }

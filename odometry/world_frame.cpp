@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "odometry/world_frame.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -9,6 +10,8 @@ namespace {
 
 /// A body leaning more than this against the camera is not a body but some other sensor's axes.
 constexpr double kMaxMountingTiltRad = 60.0 * M_PI / 180.0;
+/// Body attitude or leg odometry that finds the body this upright says that it is the robot's.
+constexpr double kUprightRad = 15.0 * M_PI / 180.0;
 /// How well each source knows up, before anything refines it.
 constexpr double kMountingSigmaRad = 2.0 * M_PI / 180.0;
 constexpr double kAssumedSigmaRad = 15.0 * M_PI / 180.0;
@@ -29,25 +32,39 @@ Eigen::Matrix3d LevelRotation(const Eigen::Vector3d& up, const Eigen::Vector3d& 
   return R;
 }
 
+/// Whether the robot itself says that the calibration's body is upright.
+bool FoundUpright(const SensorSamples& samples) {
+  for (const BodyPrior& prior : samples.priors) {
+    if (prior.T_odom_body.linear()(2, 2) >= std::cos(kUprightRad)) return true;
+  }
+  return false;
+}
+
+/// The body, unless it is taken for the axes of a sensor; why, if that is worth a warning.
+std::optional<Eigen::Isometry3d> BelievedBody(const OdometryConfig& config, const Mounting& mounting,
+                                              const SensorSamples& samples, std::string* warning) {
+  if (!mounting.T_body_left || mounting.source == MountingSource::kSensor) return std::nullopt;
+  if (mounting.source == MountingSource::kBody) return mounting.T_body_left;
+  const Eigen::Vector3d body_up_left = mounting.T_body_left->linear().transpose() * Eigen::Vector3d::UnitZ();
+  const double tilt = std::acos(std::clamp(body_up_left.dot(mounting.image_up_left), -1.0, 1.0));
+  if (tilt <= kMaxMountingTiltRad || (config.use_priors && FoundUpright(samples)))
+    return mounting.T_body_left;
+  *warning = "the body's z axis is " + std::to_string(std::lround(tilt * 180.0 / M_PI)) +
+             " deg from the camera's up (limit 60 deg): taken for the axes of a sensor, not of a robot; "
+             "the world starts at the left camera; if the camera is turned so on the robot, set "
+             "camera.mounting.source to body";
+  return std::nullopt;
+}
+
 }  // namespace
 
 WorldFrame LayWorldFrame(const OdometryConfig& config, const Mounting& mounting,
                          const SensorSamples& samples) {
   WorldFrame world;
-  std::optional<Eigen::Isometry3d> T_body_left = mounting.T_body_left;
-  if (T_body_left) {
-    const Eigen::Vector3d body_up_left = T_body_left->linear().transpose() * Eigen::Vector3d::UnitZ();
-    const double tilt = std::acos(std::clamp(body_up_left.dot(-Eigen::Vector3d::UnitY()), -1.0, 1.0));
-    if (tilt > kMaxMountingTiltRad) {
-      world.warning =
-          "the body's z axis is " + std::to_string(std::lround(tilt * 180.0 / M_PI)) +
-          " deg from the camera's up (limit 60 deg): taken for the axes of a sensor, not of a robot; "
-          "the world starts at the left camera";
-      T_body_left.reset();
-    }
-  }
+  const std::optional<Eigen::Isometry3d> T_body_left =
+      BelievedBody(config, mounting, samples, &world.warning);
 
-  Eigen::Vector3d up_left = -Eigen::Vector3d::UnitY();
+  Eigen::Vector3d up_left = mounting.image_up_left;
   world.gravity.source = GravitySource::kAssumed;
   world.gravity.sigma_rad = kAssumedSigmaRad;
   if (T_body_left) {

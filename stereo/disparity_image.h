@@ -18,6 +18,12 @@ struct DisparityImage {
   cv::Mat1f sigma_px;
   /// By how many rows the right image was off before it was matched, from the middle of what was matched.
   RowOffsets row_offsets;
+  /// Of the pixels that were matched, those where nothing that was searched fits: unknown in the disparity.
+  /// What only the left camera sees counts among them.
+  float no_match_share = 0.0f;
+  /// Of the same, those whose best disparity is the last one of the search, or beyond what the settings
+  /// allow: what they show is probably nearer still.
+  float limit_share = 0.0f;
 };
 
 }  // namespace terrace

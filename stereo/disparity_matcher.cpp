@@ -7,6 +7,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include <opencv2/core.hpp>
+
 #include "core/check.h"
 #include "stereo/depth_edges.h"
 #include "stereo/disparity_filters.h"
@@ -151,6 +153,8 @@ class DisparityMatcher::Impl {
     found.disparity_px(in_part).copyTo(result.disparity_px(region));
     found.sigma_px(in_part).copyTo(result.sigma_px(region));
     result.row_offsets = found.row_offsets;
+    result.no_match_share = found.no_match_share;
+    result.limit_share = found.limit_share;
     return result;
   }
 
@@ -165,10 +169,22 @@ class DisparityMatcher::Impl {
     } else {
       MatchHalved(frame, prior, result.disparity_px);
     }
+    result.no_match_share = static_cast<float>(half_matcher_.doubtful().share());
+    result.limit_share = static_cast<float>(half_matcher_.doubtful().share_at_limit());
     units_.Set(result.disparity_px);
     edges_.Sharpen(frame.left, right_, units_, {&steep_, 2});
     refiner_.Refine(frame.left, right_, units_, result.disparity_px, &result.sigma_px, {&steep_, 2});
+    ForgetBeyondRange(result);
     return result;
+  }
+
+  /// More was searched than was asked for, so that what is just beyond is found there.
+  void ForgetBeyondRange(DisparityImage& result) const {
+    if (2 * HalfRange() <= config_.max_disparity_px) return;
+    const cv::Mat beyond = result.disparity_px > static_cast<double>(config_.max_disparity_px);
+    result.limit_share += static_cast<float>(cv::countNonZero(beyond)) / static_cast<float>(beyond.total());
+    result.disparity_px.setTo(kUnknownDisparity, beyond);
+    result.sigma_px.setTo(kUnknownDisparity, beyond);
   }
 
   /// What a prior says of the halved images.
@@ -218,6 +234,7 @@ class DisparityMatcher::Impl {
   void MatchAgain(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& rough, cv::Mat1f& disparity) {
     FillFromFurther(rough);
     full_matcher_.MatchNear(left, right, rough, disparity);
+    half_matcher_.doubtful().Forget(2, disparity);
     RemoveSpeckles(config_.min_piece_px, kMaxSlope, disparity, {&steep_, 2}, {&repeated_, 2});
   }
 
@@ -225,12 +242,12 @@ class DisparityMatcher::Impl {
   void MatchHalved(const StereoFrame& frame, const DisparityPrior* prior, cv::Mat1f& disparity) {
     const int range = HalfRange();
     half_matcher_.Match(half_left_, half_right_, range, half_disparity_, Expect(prior, frame, range));
-    if (2 * range > config_.max_disparity_px)
-      half_disparity_.setTo(kUnknownDisparity, half_disparity_ > 0.5 * config_.max_disparity_px);
     steep_.Measure(half_disparity_);
     repeated_.Find(half_left_);
+    half_matcher_.doubtful().Forget(1, half_disparity_);
     // A quarter of the pixels, but noise holds together better.
     RemoveSpeckles(config_.min_piece_px / 2, kMaxSlope, half_disparity_, {&steep_, 1}, {&repeated_, 1});
+    half_matcher_.doubtful().Recount(half_disparity_);
     half_refiner_.Refine(half_left_, half_right_, half_disparity_, nullptr, {&steep_, 1});
     DoubleDisparity(half_disparity_, disparity, steep_);
   }

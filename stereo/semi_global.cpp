@@ -18,6 +18,9 @@ namespace {
 constexpr int kNearRange = 16;
 constexpr int kFirstStep = 16;
 
+/// Of the sums of winners of chance half are above this, of right ones hardly any but in the dark.
+constexpr int MaxGoodSum(int num_paths) { return num_paths == 2 ? 45 : 90; }
+
 }  // namespace
 
 /// Whether what is expected in a strip is found, tile by tile: where the range does not hold what there is to
@@ -28,7 +31,7 @@ class SemiGlobalMatcher::Evidence {
       : expected_(expected),
         range_(range),
         strip_(strip),
-        max_sum_(num_paths == 2 ? kMaxSum / 2 : kMaxSum),
+        max_sum_(MaxGoodSum(num_paths)),
         num_pixels_(expected.columns),
         num_poor_(num_pixels_) {}
 
@@ -62,9 +65,6 @@ class SemiGlobalMatcher::Evidence {
   static constexpr double kMinShareSeen = 0.25;
   /// On a walk 0.5 % of the tiles have more with a right range, and seven of ten with a wrong one.
   static constexpr double kMaxSharePoor = 0.4;
-  /// Of four paths. Of the winners of chance half are above, of right ones hardly any but in the dark.
-  static constexpr int kMaxSum = 90;
-
   const ExpectedDisparities& expected_;
   SearchRange range_;
   Strip strip_;
@@ -103,6 +103,7 @@ void SemiGlobalMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right, int
                 expected.strips.size(), num_strips, expected.tile_px, expected.columns);
   Prepare(left, right);
   PrepareRanges(left.size(), expected.strips);
+  doubtful_.Begin(left.size());
   disparity.create(left.size());
   ForEachStrip(left.rows, [&](Strip strip) {
     if (!expected.strips.empty()) {
@@ -175,6 +176,9 @@ void SemiGlobalMatcher::MatchStrip(const Strip& strip, const DisparityRanges& ra
                                 settings_.num_paths};
   mine.aggregator.Aggregate(problem, strip, [&](int v, const std::uint8_t* sums) {
     mine.winner.Choose({sums, disparity.cols, strip.num_disparities, ranges.First(v)}, disparity[v]);
+    if (ranges.uniform() && !evidence)
+      doubtful_.AddRow(v, disparity[v], mine.winner.best_sums(), MaxGoodSum(settings_.num_paths),
+                       static_cast<float>(strip.num_disparities - 1));
     if (evidence) evidence->AddRow(v, disparity[v], mine.winner.best_sums(), disparity.cols);
   });
 }

@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "stereo/census.h"
+#include "stereo/doubtful_tiles.h"
 #include "stereo/path_aggregation.h"
 #include "stereo/winner.h"
 
@@ -52,6 +53,9 @@ class SemiGlobalMatcher {
   /// from it cost nothing against what the images say, but decide where they say nothing.
   void MatchNear(const cv::Mat1b& left, const cv::Mat1b& right, const cv::Mat1f& rough, cv::Mat1f& disparity);
 
+  /// Of the last Match, in the strips that were searched from end to end.
+  DoubtfulTiles& doubtful() { return doubtful_; }
+
   int rows_per_strip() const { return settings_.rows_per_strip; }
 
  private:
@@ -68,6 +72,7 @@ class SemiGlobalMatcher {
   SemiGlobalSettings settings_;
   CensusImage left_census_, right_census_;
   StepPenalties step_penalties_;
+  DoubtfulTiles doubtful_;
   cv::Mat_<std::int16_t> near_first_;  ///< disparity of each pixel's range
   DisparityRanges near_ranges_;
   cv::Size ranges_size_;

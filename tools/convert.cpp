@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/ground_truth.h"
 #include "datasets/lcm_log_writer.h"
 #include "datasets/sequence.h"

@@ -13,8 +13,9 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "datasets/calibration_file.h"
 #include "datasets/sequence.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 #include "stereo/rectifier.h"
 #include "tools/commands.h"
 #include "tools/terrain_picture.h"
@@ -27,6 +28,7 @@ struct DrawOptions {
   std::string sequence;
   std::string picture;
   std::string map_picture;
+  std::vector<std::filesystem::path> calibration;
   std::int64_t frame = -1;
   std::int64_t time_ns = -1;
 };
@@ -55,7 +57,15 @@ Rectifier RectifierOf(const StereoCalibration& calibration, const StereoCamera& 
 StereoFrame FindFrame(const DrawOptions& options, const StereoCamera& camera,
                       const std::vector<ResultPose>& trajectory) {
   const auto sequence = OpenSequence(options.sequence);
-  const Rectifier rectifier = RectifierOf(sequence->info().calibration, camera);
+  const StereoCalibration& own = sequence->info().calibration;
+  StereoCalibration calibration = own;
+  if (!options.calibration.empty()) {
+    RigOptions rig_options;
+    rig_options.size = {own.width, own.height};
+    std::vector<std::string> notes;
+    calibration = ReadRig(options.calibration, &notes, rig_options);
+  }
+  const Rectifier rectifier = RectifierOf(calibration, camera);
   const std::int64_t last_ns = trajectory.empty() ? 0 : trajectory.back().t_capture.ns;
   const std::int64_t wanted_ns = options.time_ns >= 0 ? options.time_ns : last_ns;
   while (const std::optional<SensorFrame> frame = sequence->Next()) {
@@ -99,6 +109,9 @@ void AddDrawCommand(CLI::App& app) {
   command->add_option("SEQUENCE", options->sequence, "what it replayed");
   command->add_option("OUT.png", options->picture, "the rectified left image with the regions over it");
   command->add_option("--map", options->map_picture, "draw the whole map into this image");
+  command->add_option("--calibration", options->calibration, "the files that the replay was given, if it was")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   CLI::Option* frame =
       command->add_option("--frame", options->frame, "number of the frame, from 0; default: the last one");
   command->add_option("--time", options->time_ns, "capture time of the frame in nanoseconds")

@@ -9,7 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "evaluation/evaluation.h"
 #include "evaluation/evaluation_text.h"
 #include "evaluation/feet_picture.h"

@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "evaluation/baseline.h"
 #include "evaluation/family_table.h"
 #include "tools/family_jobs.h"

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/synthetic/family.h"
 
 namespace terrace {

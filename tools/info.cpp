@@ -11,16 +11,16 @@
 
 #include <CLI/CLI.hpp>
 
-#include "core/time.h"
 #include "core/angles.h"
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
+#include "core/time.h"
 #include "datasets/ground_truth.h"
 #include "datasets/image_file.h"
 #include "datasets/lcm_log.h"
 #include "datasets/sequence.h"
 #include "datasets/text_table.h"
 #include "evaluation/disparity_file.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 #include "stereo/rectifier.h"
 #include "tools/commands.h"
 

@@ -14,8 +14,9 @@
 
 #include "client/terrain_client.h"
 #include "lcmtypes/channels.h"
-#include "lcmtypes/codec.h"
+#include "lcmtypes/pose_codec.h"
 #include "lcmtypes/safe_decode.h"
+#include "lcmtypes/status_codec.h"
 #include "lcmtypes/subscribe.h"
 #include "tools/commands.h"
 #include "tools/terrain_words.h"
@@ -48,9 +49,9 @@ class Listener {
       // A signal makes the waiting fail, too.
       if (lcm_->handleTimeout(kPatienceMs) < 0 && errno != EINTR) throw std::runtime_error("LCM has failed");
       // Once a second is enough for a reader; small changes add up.
-      if (terrain_.map() != map_ && Clock::now() >= map_due_) SayWhatChanged();
+      if (Clock::now() >= map_due_) SayWhatChanged();
     }
-    if (terrain_.map() != map_) SayWhatChanged();
+    SayWhatChanged();
     if (!heard_) std::printf("nothing was heard\n");
   }
 
@@ -62,8 +63,10 @@ class Listener {
   }
 
   void SayWhatChanged() {
-    for (const std::string& sentence : ChangesInWords(map_, *terrain_.map())) Say("map", sentence);
-    map_ = terrain_.map();
+    const TerrainMapPtr map = terrain_.map();
+    if (map == map_) return;
+    for (const std::string& sentence : ChangesInWords(map_, *map)) Say("map", sentence);
+    map_ = map;
     map_due_ = Clock::now() + std::chrono::seconds(1);
   }
 

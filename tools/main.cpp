@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   CLI::App app("The toolbox of Terrace, the stereo terrain mapper.", "terrace");
   app.set_version_flag("--version", "terrace " TERRACE_VERSION);
   app.require_subcommand(1);
+  terrace::AddCalibrationCommand(app);
   terrace::AddConvertCommand(app);
   terrace::AddDisparityCommand(app);
   terrace::AddDrawCommand(app);

@@ -5,7 +5,7 @@
 
 #include "core/camera.h"
 #include "core/terrain_map.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 
 namespace terrace {
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Plays sequences through the odometry alone and compares with the truth:
 //   terrace_odometry_run SEQUENCE... [--no-imu] [--no-priors] [--damage NAME|all]... [--noise N] [--out DIR]
-//                        [--sgbm]
+//                        [--every N] [--there-and-back] [--sgbm] [--verbose]
 // Memory is what the odometry itself has on the heap after a quarter of the frames and at the end: flat when
 // both are alike. --no-imu and --no-priors (body attitude and legs) together: stereo only.
 // --damage: one of DamageNames(), or all of them, after the undamaged sequence.
 // --noise: each of these once more, N times with other noise of one grey value, and the mean of all: two
 // versions differ by less than the spread of these by chance.
+// --every N: only every nth frame. --there-and-back: played to the end and then backwards, and how far from
+// its start it ends. --verbose: a line a frame.
 // --out writes one text line a frame (pose, truth, error, sigmas); --sgbm compares the CPU time with OpenCV's
 // StereoSGBM, 128 disparities, padded, on every eighth frame of the same run.
 #include <algorithm>
@@ -14,11 +16,8 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <filesystem>
 #include <fstream>
 #include <map>
-#include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -29,12 +28,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "damage.h"
-#include "datasets/sequence.h"
 #include "evaluation/alignment.h"
 #include "odometry/covariance.h"
 #include "odometry/rotation.h"
 #include "odometry/visual_odometry.h"
-#include "stereo/rectifier.h"
+#include "recording.h"
 
 namespace terrace {
 namespace {
@@ -49,76 +47,6 @@ double CpuSeconds() {
 double HeapMib() {
   const struct mallinfo2 info = mallinfo2();
   return static_cast<double>(info.uordblks + info.hblkhd) / (1024.0 * 1024.0);
-}
-
-struct Recording {
-  std::string name;
-  StereoCamera camera;
-  Mounting mounting;
-  std::vector<StereoFrame> frames;  ///< without images: unreadable
-  std::vector<SensorSamples> samples;
-  std::map<std::int64_t, Eigen::Isometry3d> truth;  ///< of the rectified left camera, by microseconds
-};
-
-/// True poses of the rectified left camera.
-std::map<std::int64_t, Eigen::Isometry3d> ReadTruth(const std::filesystem::path& path,
-                                                    const Eigen::Matrix3d& R_rect_raw) {
-  std::map<std::int64_t, Eigen::Isometry3d> truth;
-  std::string line;
-  if (std::ifstream tum(path / "groundtruth_tum.txt"); tum) {
-    while (std::getline(tum, line)) {
-      std::istringstream in(line);
-      double t, x, y, z, qx, qy, qz, qw;
-      if (!(in >> t >> x >> y >> z >> qx >> qy >> qz >> qw)) continue;
-      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-      T.translation() << x, y, z;
-      T.linear() =
-          Eigen::Quaterniond(qw, qx, qy, qz).normalized().toRotationMatrix() * R_rect_raw.transpose();
-      truth[std::llround(t * 1e6)] = T;
-    }
-  } else if (std::ifstream poses(path / "poses.txt"); poses) {
-    std::ifstream times(path / "times.txt");
-    double t;
-    while (times >> t && std::getline(poses, line)) {
-      std::istringstream in(line);
-      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 4; ++c) in >> T.matrix()(r, c);
-      truth[std::llround(t * 1e6)] = T;
-    }
-  }
-  return truth;
-}
-
-Recording Load(const std::filesystem::path& path) {
-  Recording recording;
-  recording.name = path.filename();
-  const auto sequence = OpenSequence(path);
-  const StereoCalibration& calibration = sequence->info().calibration;
-  const Rectifier rectifier(calibration);
-  recording.camera = rectifier.camera();
-  recording.mounting.imu_noise = calibration.imu_noise;
-  if (calibration.T_body_rawleft) {
-    Eigen::Isometry3d T_rawleft_left = Eigen::Isometry3d::Identity();
-    T_rawleft_left.linear() = rectifier.R_rect_raw().transpose();
-    recording.mounting.T_body_left = *calibration.T_body_rawleft * T_rawleft_left;
-    if (calibration.T_body_imu)
-      recording.mounting.T_left_imu = recording.mounting.T_body_left->inverse() * *calibration.T_body_imu;
-  }
-  while (auto frame = sequence->Next()) {
-    StereoFrame pair;
-    pair.frame_id = frame->frame_id;
-    pair.t_capture = frame->pair.t_capture;
-    if (frame->pair.problem.empty()) {
-      pair = rectifier.Rectify(frame->frame_id, frame->pair);
-      pair.left = pair.left.clone();
-      pair.right = pair.right.clone();
-    }
-    recording.frames.push_back(pair);
-    recording.samples.push_back(frame->samples);
-  }
-  recording.truth = ReadTruth(path, rectifier.R_rect_raw());
-  return recording;
 }
 
 /// Of rotation (first = 0) or translation (3) alone.
@@ -154,6 +82,9 @@ struct Outcome {
   Gravity gravity;
   double gravity_error_deg = 0.0;
   double path_m = 0.0;
+  int num_epochs = 1;
+  double returned_mm = 0.0;         ///< how far the last pose is from the first
+  double returned_in_sigmas = 0.0;  ///< the same, in its own sigmas
   std::size_t digest = 0;
 };
 
@@ -161,6 +92,9 @@ struct Options {
   bool use_imu = true;
   bool use_priors = true;
   bool sgbm = false;
+  bool verbose = false;
+  bool and_back = false;
+  int every = 1;
   int num_noisy = 0;
   std::string out;
 };
@@ -186,6 +120,14 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
                         ? odometry.Bridge(frame.frame_id, frame.t_capture, recording.samples[i], "no image")
                         : odometry.Track(frame, recording.samples[i]));
     cpu.push_back(CpuSeconds() - before);
+    if (options.verbose) {
+      const PoseEstimate& pose = poses.back();
+      std::printf("%4lld epoch %d %-8s %3d of %3d agree, %.2f px, sigma %.1f mm, %.1f ms  %s\n",
+                  static_cast<long long>(frame.frame_id), pose.epoch, Name(pose.status), pose.num_inliers,
+                  pose.num_matches, pose.rms_px,
+                  1e3 * std::sqrt(pose.covariance.diagonal().tail<3>().sum() / 3.0), 1e3 * cpu.back(),
+                  pose.reason.c_str());
+    }
     if (i == recording.frames.size() / 4) out.heap_early_mib = HeapMib() - heap_before;
     odometry_s += cpu.back();
     if (options.sgbm && i % 8 == 0 && !frame.left.empty()) {
@@ -229,6 +171,10 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
     truth.push_back(found->second);
     used.push_back(&pose);
   }
+  out.num_epochs = poses.back().epoch + 1;
+  const Vector6d apart = StepBetween(poses.front().T_world_left, poses.back().T_world_left);
+  out.returned_mm = 1e3 * apart.tail<3>().norm();
+  out.returned_in_sigmas = std::sqrt(Chi2OfHalf(apart, poses.back().covariance, 3));
   if (!options.out.empty()) {
     std::ofstream file(options.out + "/" + recording.name + tag + ".txt");
     file.precision(12);
@@ -319,6 +265,7 @@ Outcome Run(const Recording& recording, const Options& options, const std::strin
 }
 
 void Print(const std::string& title, const Outcome& o) {
+  if (o.num_epochs > 1) std::printf("%d worlds: ", o.num_epochs);
   std::printf("%-34s tracked %d/%d bridging %d lost %d | ATE %.2f mm end %.1f jump %.1f | rel", title.c_str(),
               o.tracked, o.frames, o.bridging, o.lost, o.ate_mm, o.end_mm, o.max_jump_mm);
   for (const auto& [length, percent] : o.relative_percent) std::printf(" %gm %.2f%%", length, percent);
@@ -336,6 +283,9 @@ void Print(const std::string& title, const Outcome& o) {
 Outcome RunAndPrint(const Recording& recording, const Options& options, const std::string& name,
                     const std::string& tag, const Outcome* undamaged) {
   const Outcome outcome = Run(recording, options, tag);
+  if (options.and_back)
+    std::printf("%-34s back at its start to %.1f mm, which is %.1f of its sigmas\n", name.c_str(),
+                outcome.returned_mm, outcome.returned_in_sigmas);
   const char* verdict = "";
   if (undamaged) verdict = outcome.ate_mm <= 3.0 * undamaged->ate_mm && outcome.lost == 0 ? " ok" : " BAD";
   Print(name + verdict, outcome);
@@ -371,6 +321,12 @@ int main(int argc, char** argv) {
       options.use_priors = false;
     else if (argument == "--sgbm")
       options.sgbm = true;
+    else if (argument == "--verbose")
+      options.verbose = true;
+    else if (argument == "--there-and-back")
+      options.and_back = true;
+    else if (argument == "--every" && i + 1 < argc)
+      options.every = std::max(1, std::stoi(argv[++i]));
     else if (argument == "--noise" && i + 1 < argc)
       options.num_noisy = std::stoi(argv[++i]);
     else if (argument == "--damage" && i + 1 < argc) {
@@ -386,9 +342,13 @@ int main(int argc, char** argv) {
   }
   cv::setNumThreads(1);
   for (const std::string& path : sequences) {
-    const Recording recording = Load(path);
-    const std::string name =
-        recording.name + (options.use_imu ? "" : " no-imu") + (options.use_priors ? "" : " no-priors");
+    Recording recording = LoadRecording(path);
+    if (options.every > 1) recording = EveryNth(recording, options.every);
+    if (options.and_back) recording = ThereAndBack(recording);
+    const std::string name = recording.name +
+                             (options.every > 1 ? " every " + std::to_string(options.every) : "") +
+                             (options.and_back ? " and back" : "") + (options.use_imu ? "" : " no-imu") +
+                             (options.use_priors ? "" : " no-priors");
     const Outcome undamaged = RunAndPrint(recording, options, name, "", nullptr);
     for (const std::string& damage : damages) {
       Recording worse = recording;

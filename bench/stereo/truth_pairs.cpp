@@ -7,6 +7,9 @@
 #include <map>
 #include <stdexcept>
 
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
 #include "datasets/image_file.h"
 #include "datasets/sequence.h"
 #include "datasets/synthetic/scene_file.h"
@@ -81,6 +84,28 @@ TruthSet ReadMiddlebury2001To2003(const fs::path& data) {
     pair.truth.disparity = LoadPairTruth(folder / "disp2.png", scales.at(pair.name), std::nullopt);
     set.pairs.push_back(std::move(pair));
   }
+  return set;
+}
+
+TruthSet WithDamagedRight(TruthSet set) {
+  constexpr double kExposure = 0.5, kGain = 1.1, kVignette = 0.8, kBlur_px = 0.8, kRowsOff_px = 0.3,
+                   kNoise = 1.0;
+  cv::RNG random(1);
+  for (TruthPair& pair : set.pairs) {
+    cv::Mat1f image, lowered;
+    pair.frame.right.convertTo(image, CV_32F);
+    cv::GaussianBlur(image, image, {}, kBlur_px);
+    const cv::Matx23d down(1, 0, 0, 0, 1, kRowsOff_px);
+    cv::warpAffine(image, lowered, down, image.size(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+    for (int v = 0; v < image.rows; ++v)
+      for (int u = 0; u < image.cols; ++u) {
+        const double x = (u - 0.5 * image.cols) / image.cols, y = (v - 0.5 * image.rows) / image.cols;
+        const double light = kExposure * kGain * (1.0 - kVignette * (x * x + y * y));
+        pair.frame.right(v, u) =
+            cv::saturate_cast<std::uint8_t>(light * lowered(v, u) + random.gaussian(kNoise));
+      }
+  }
+  set.name += " damaged";
   return set;
 }
 

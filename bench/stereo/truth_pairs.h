@@ -37,6 +37,10 @@ struct TruthSet {
 TruthSet ReadMiddleburyV3(const std::filesystem::path& data);
 TruthSet ReadMiddlebury2001To2003(const std::filesystem::path& data);
 
+/// The same pairs with what many rigs have done to the right image: half the exposure and a little gain, a
+/// vignette, blur, rows off by 0.3 px, and noise of its own.
+TruthSet WithDamagedRight(TruthSet set);
+
 /// Every `stride`-th frame of a rendered sequence that has a depth image. What is nearer than the search of
 /// 128 px goes is blindness, not error: it counts nowhere.
 TruthSet ReadRendered(const std::string& name, const std::filesystem::path& sequence, int stride);

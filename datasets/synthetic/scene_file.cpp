@@ -9,7 +9,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/synthetic/scene_builder.h"
 
 namespace terrace::synthetic {

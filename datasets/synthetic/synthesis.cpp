@@ -10,8 +10,8 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
+#include "core/file_bytes.h"
 #include "core/print.h"
-#include "datasets/file_bytes.h"
 #include "datasets/image_file.h"
 #include "datasets/synthetic/hash.h"
 #include "datasets/synthetic/sensors.h"

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/npz_file.h"
 
 namespace terrace::synthetic {

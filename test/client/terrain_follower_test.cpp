@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lcmtypes/codec.h"
+#include "lcmtypes/terrain_codec.h"
 #include "test/lcmtypes/example_maps.h"
 
 namespace terrace {
@@ -17,7 +17,7 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 // Small, so that snapshots and deltas come in several parts.
-constexpr std::size_t kPartBytes = 2500;
+constexpr std::size_t kPartBytes = 1000;
 
 std::vector<Bytes> Encoded(const std::vector<terrain_v1_t>& messages) {
   std::vector<Bytes> all;
@@ -29,9 +29,11 @@ std::vector<Bytes> Encoded(const std::vector<terrain_v1_t>& messages) {
   return all;
 }
 
-std::vector<Bytes> Snapshot(const TerrainMap& map) { return Encoded(SnapshotMessages(map, kPartBytes)); }
-std::vector<Bytes> Delta(const TerrainMap& base, const TerrainMap& map) {
-  return Encoded(DeltaMessages(base, map, kPartBytes));
+std::vector<Bytes> Snapshot(const TerrainMap& map, std::size_t part_bytes = kPartBytes) {
+  return Encoded(SnapshotMessages(map, part_bytes));
+}
+std::vector<Bytes> Delta(const TerrainMap& base, const TerrainMap& map, std::size_t part_bytes = kPartBytes) {
+  return Encoded(DeltaMessages(base, map, part_bytes));
 }
 
 bool ReceiveAll(TerrainFollower* follower, const std::vector<Bytes>& messages) {
@@ -50,16 +52,22 @@ std::vector<Bytes> ContentsAfterSnapshotOf(const TerrainMap& map) {
   return Contents(follower.map());
 }
 
-TEST(TerrainFollowerTest, HasNoMapBeforeTheFirstSnapshotAndSaysThatItNeedsOne) {
+TEST(TerrainFollowerTest, HasNoMapBeforeTheFirstSnapshotAndAsksForOneThoughItHasHeardNothing) {
   ExampleMaps maps(1);
   const TerrainMap first = maps.First(20);
   TerrainFollower follower;
   EXPECT_EQ(follower.map(), nullptr);
-  EXPECT_TRUE(follower.needs_snapshot());
+  EXPECT_FALSE(follower.in_step());
+  const TerrainFollower::Time start{std::chrono::seconds(10)};
+  const auto repair = follower.TakeRepair(start);
+  ASSERT_TRUE(repair);
+  EXPECT_EQ(repair->have_seq, -1);
+  EXPECT_FALSE(follower.TakeRepair(start + std::chrono::milliseconds(20))) << "has just been asked";
+  EXPECT_TRUE(follower.TakeRepair(start + std::chrono::milliseconds(120))) << "nobody has answered";
   EXPECT_FALSE(ReceiveAll(&follower, Delta(first, maps.Next(first))));
   EXPECT_EQ(follower.map(), nullptr);
   EXPECT_TRUE(ReceiveAll(&follower, Snapshot(first)));
-  EXPECT_FALSE(follower.needs_snapshot());
+  EXPECT_TRUE(follower.in_step());
   EXPECT_EQ(follower.map()->seq, first.seq + 1) << "the delta that came early fits now";
 }
 
@@ -91,22 +99,42 @@ TEST(TerrainFollowerTest, TakesPartsInAnyOrderAndTwice) {
   EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(map));
 }
 
-TEST(TerrainFollowerTest, NoticesALostDeltaAndCatchesUpWithASnapshot) {
+TEST(TerrainFollowerTest, NamesThePartsThatItLacksAndOfALostDeltaTheStateBefore) {
+  ExampleMaps maps(4);
+  const TerrainMap first = maps.First(20);
+  const TerrainMap second = maps.Next(first);  // never arrives
+  const TerrainMap third = maps.Next(second);
+  TerrainFollower follower;
+  ReceiveAll(&follower, Snapshot(first));
+  std::vector<Bytes> parts = Delta(second, third);
+  ASSERT_GT(parts.size(), 2u);
+  parts.erase(parts.begin() + 1);
+  ReceiveAll(&follower, parts);
+  EXPECT_EQ(follower.map()->seq, first.seq) << "a delta without its base changes nothing";
+  EXPECT_FALSE(follower.in_step());
+  EXPECT_FALSE(follower.TakeRepair(std::chrono::steady_clock::now())) << "it may be under way";
+  const auto repair = follower.TakeRepair(std::chrono::steady_clock::now() + std::chrono::seconds(1));
+  ASSERT_TRUE(repair);
+  EXPECT_EQ(repair->map_id, first.map_id);
+  EXPECT_EQ(repair->have_seq, first.seq);
+  ASSERT_EQ(repair->n_steps, 1) << "the lost delta is not known, and therefore not named";
+  EXPECT_EQ(repair->steps[0].kind, terrain_v1_t::DELTA);
+  EXPECT_EQ(repair->steps[0].seq, third.seq);
+  EXPECT_THAT(repair->steps[0].missing, testing::ElementsAre(1));
+  ReceiveAll(&follower, Delta(first, second));
+  ReceiveAll(&follower, Delta(second, third));
+  EXPECT_TRUE(follower.in_step());
+  EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(third));
+}
+
+TEST(TerrainFollowerTest, CatchesUpWithASnapshot) {
   ExampleMaps maps(4);
   TerrainMap map = maps.First(20);
   TerrainFollower follower;
   ReceiveAll(&follower, Snapshot(map));
-  map = maps.Next(map);  // never arrives
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_FALSE(follower.needs_snapshot());
-    const TerrainMap next = maps.Next(map);
-    ReceiveAll(&follower, Delta(map, next));
-    map = next;
-  }
-  EXPECT_TRUE(follower.needs_snapshot());
-  EXPECT_EQ(follower.map()->seq, 1) << "a delta without its base changes nothing";
+  for (int i = 0; i < 3; ++i) map = maps.Next(map);
   ReceiveAll(&follower, Snapshot(map));
-  EXPECT_FALSE(follower.needs_snapshot());
+  EXPECT_TRUE(follower.in_step());
   EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(map));
 }
 
@@ -123,15 +151,45 @@ TEST(TerrainFollowerTest, ForgetsTheOldMapWhenANewOneBeginsAndIgnoresItsLateMess
   EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(fresh));
 }
 
+TEST(TerrainFollowerTest, LearnsThatRegionsWereSeenAgainWithoutANewState) {
+  const TerrainMap first = ExampleMaps(12).First(4);
+  TerrainFollower follower;
+  ReceiveAll(&follower, Snapshot(first));
+  const TerrainMapPtr before = follower.map();
+  TerrainMap later = first;
+  later.t_capture.ns += 3'000'000'000;
+  later.T_world_left.translation().x() += 1.0;
+  const Timestamp seen = later.t_capture - std::chrono::milliseconds(40);
+  const SeenRegion list[] = {{2, seen}, {99, seen}};
+  EXPECT_TRUE(ReceiveAll(&follower, Encoded(SeenMessages(later, std::nullopt, list))));
+  EXPECT_EQ(follower.map()->seq, first.seq);
+  EXPECT_EQ(follower.map()->t_capture, later.t_capture);
+  EXPECT_EQ(follower.map()->T_world_left.translation(), later.T_world_left.translation());
+  EXPECT_EQ(follower.map()->regions[1]->last_seen, seen);
+  EXPECT_EQ(follower.map()->regions[1]->revision, before->regions[1]->revision);
+  EXPECT_EQ(follower.map()->regions[0], before->regions[0]);
+  EXPECT_EQ(follower.map()->staircases.size(), before->staircases.size());
+}
+
+TEST(TerrainFollowerTest, HearsOfANewerStateWithoutHavingIt) {
+  ExampleMaps maps(13);
+  const TerrainMap first = maps.First(4);
+  TerrainFollower follower;
+  ReceiveAll(&follower, Snapshot(first));
+  EXPECT_TRUE(follower.in_step());
+  ReceiveAll(&follower, Encoded(SeenMessages(maps.Next(first), std::nullopt, {})));
+  EXPECT_FALSE(follower.in_step());
+}
+
 TEST(TerrainFollowerTest, CountsWhatIsNoMessageAndKeepsItsMap) {
   const TerrainMap map = ExampleMaps(6).First(5);
   TerrainFollower follower;
   ReceiveAll(&follower, Snapshot(map));
   const char rubbish[] = "rubbish that is no message";
   EXPECT_FALSE(follower.Receive(rubbish, sizeof(rubbish)));
-  std::vector<terrain_v1_t> bad = SnapshotMessages(map);
+  std::vector<terrain_v1_t> bad = SnapshotMessages(map, 100'000);
   bad[0].seq += 1;
-  bad[0].regions[0].label = 100;
+  bad[0].regions[0].source = 100;
   EXPECT_FALSE(ReceiveAll(&follower, Encoded(bad)));
   bad[0].part = 5;
   EXPECT_FALSE(ReceiveAll(&follower, Encoded(bad)));
@@ -184,6 +242,8 @@ class BadNetwork {
 };
 
 TEST(TerrainFollowerTest, EndsWithTheSameMapHoweverLateAndLossyItListened) {
+  // Nothing is repaired here, so that a state must be able to come through whole: in one or two parts.
+  constexpr std::size_t kLargeParts = 6000;
   for (unsigned seed = 0; seed < 60; ++seed) {
     ExampleMaps maps(seed);
     BadNetwork network(0.1 * (seed % 6), seed);
@@ -199,9 +259,9 @@ TEST(TerrainFollowerTest, EndsWithTheSameMapHoweverLateAndLossyItListened) {
         next.map_id = map.map_id + 1;
       }
       if (step >= listens_from) {
-        if (!cleared) network.Send(Delta(map, next));
-        // Now and then by itself, and when asked.
-        if (cleared || step % 15 == 0 || follower.needs_snapshot()) network.Send(Snapshot(next));
+        if (!cleared) network.Send(Delta(map, next, kLargeParts));
+        // Now and then by itself, and when it is needed.
+        if (cleared || step % 15 == 0 || !follower.in_step()) network.Send(Snapshot(next, kLargeParts));
         const TerrainMapPtr before = follower.map();
         network.Deliver(&follower, 3);
         if (follower.map() != before) ++num_states_seen;
@@ -211,12 +271,12 @@ TEST(TerrainFollowerTest, EndsWithTheSameMapHoweverLateAndLossyItListened) {
     EXPECT_GT(num_states_seen, 0) << "seed " << seed;
     // The world stands still now; snapshots go on coming.
     for (int i = 0; i < 100; ++i) {
-      network.Send(Snapshot(map));
+      network.Send(Snapshot(map, kLargeParts));
       network.Deliver(&follower, 0);
     }
     ASSERT_NE(follower.map(), nullptr);
     EXPECT_EQ(Contents(follower.map()), ContentsAfterSnapshotOf(map)) << "seed " << seed;
-    EXPECT_FALSE(follower.needs_snapshot()) << "seed " << seed;
+    EXPECT_TRUE(follower.in_step()) << "seed " << seed;
   }
 }
 

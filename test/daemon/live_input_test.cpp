@@ -6,8 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lcmtypes/codec.h"
+#include "lcmtypes/calibration_codec.h"
 #include "lcmtypes/image_codec.h"
+#include "lcmtypes/pose_codec.h"
+#include "lcmtypes/sensor_codec.h"
 
 namespace terrace {
 namespace {
@@ -38,8 +40,10 @@ class LiveInputTest : public testing::Test {
   LiveInputTest() { Listen(std::nullopt); }
 
   void Listen(std::optional<StereoCalibration> calibration) {
-    input_.emplace(&lcm_, channels_, config_, std::move(calibration),
-                   [this](const command_v1_t& command) { commands_.push_back(command.command); });
+    input_.emplace(
+        &lcm_, channels_, config_, std::move(calibration),
+        [this](const command_v1_t& command) { commands_.push_back(command.command); },
+        [this](const terrain_repair_v1_t& repair) { repairs_.push_back(repair.have_seq); });
   }
 
   template <typename Message>
@@ -59,9 +63,41 @@ class LiveInputTest : public testing::Test {
   ChannelConfig channels_;
   LiveConfig config_;
   std::vector<int> commands_;
+  std::vector<std::int64_t> repairs_;
   lcm::LCM lcm_{"memq://"};
   std::optional<LiveInput> input_;
 };
+
+TEST_F(LiveInputTest, CountsWhatEveryInputBringsAndSaysHowOldTheNewestIs) {
+  const auto input_named = [](const std::vector<InputStatus>& inputs, const std::string& name) {
+    const auto found =
+        std::find_if(inputs.begin(), inputs.end(), [&](const InputStatus& i) { return i.name == name; });
+    return found == inputs.end() ? InputStatus{} : *found;
+  };
+  Send(channels_.imu, ToMessage(ImuSample{{1'600'000'000'000'000'000}, {}, {0, 0, 9.81}}));
+  Send(channels_.imu, ToMessage(ImuSample{{1'600'000'000'010'000'000}, {}, {0, 0, 9.81}}));
+  SendBytes(channels_.imu, {1, 2, 3});
+  std::vector<InputStatus> inputs = input_->TakeInputs();
+  const InputStatus imu = input_named(inputs, "imu");
+  EXPECT_EQ(imu.channel, channels_.imu);
+  EXPECT_EQ(imu.num_messages, 3);
+  EXPECT_EQ(imu.num_bad, 1);
+  EXPECT_GT(imu.rate_hz, 0.0);
+  ASSERT_TRUE(imu.age_ms);
+  EXPECT_GE(*imu.age_ms, 0.0);
+  EXPECT_FALSE(input_named(inputs, "images").age_ms) << "none has come";
+  EXPECT_EQ(input_named(inputs, "body_pose").name, "") << "no channel is set for it";
+  inputs = input_->TakeInputs();
+  EXPECT_EQ(input_named(inputs, "imu").num_messages, 3);
+  EXPECT_EQ(input_named(inputs, "imu").rate_hz, 0.0) << "nothing came since the last call";
+}
+
+TEST_F(LiveInputTest, PassesRepairsOn) {
+  terrain_repair_v1_t repair{};
+  repair.have_seq = 7;
+  Send(channels_.repair, repair);
+  EXPECT_EQ(repairs_, std::vector<std::int64_t>{7});
+}
 
 TEST_F(LiveInputTest, ThrowsFramesAwayUntilTheCalibrationHasCome) {
   Send(channels_.images, SomeImages(100 * kNsPerMs));

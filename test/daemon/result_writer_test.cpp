@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/image_file.h"
+#include "results/map_file.h"
 
 namespace terrace {
 namespace {
@@ -33,7 +34,7 @@ class ResultWriterTest : public testing::Test {
     return text.str();
   }
 
-  RigDescription Rig() const {
+  ResultCamera Rig() const {
     return {{640, 480, 400, 400, 319.5, 239.5, 0.12}, Eigen::Matrix3d::Identity(), {}};
   }
 

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/threaded_pipeline.h"
 
+#include <algorithm>
+#include <future>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "daemon/result_writer.h"
+#include "results/map_file.h"
 #include "test/daemon/tiny_world.h"
 
 namespace terrace {
@@ -43,11 +46,14 @@ std::vector<std::string> OnThreads(const std::vector<SensorFrame>& frames, const
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, num_threads);
   Pipeline pipeline(config, test::TinyCalibration(), {});
   std::vector<std::string> results;
-  ThreadedPipeline threads(&pipeline, WhenFull::kWait, [&](const SensorFrame&, const FrameResult& result) {
-    results.push_back(Describe(result));
-  });
+  std::vector<FrameId> poses;
+  ThreadedPipeline threads(
+      &pipeline, Pace::kEveryFrame, [&](const PoseEstimate& pose) { poses.push_back(pose.frame_id); },
+      [&](const FrameResult& result) { results.push_back(Describe(result)); });
   for (const SensorFrame& frame : frames) EXPECT_TRUE(threads.Push(frame));
   threads.Finish();
+  EXPECT_EQ(poses.size(), frames.size());
+  EXPECT_TRUE(std::is_sorted(poses.begin(), poses.end()));
   return results;
 }
 
@@ -87,42 +93,92 @@ TEST(ThreadedPipelineTest, GivesTheSameBitsWhereTheMatcherUsesAPrior) {
 }
 
 TEST(ThreadedPipelineTest, WhatASinkThrowsEndsThePipelineAndReachesFinish) {
-  const std::vector<SensorFrame> frames = test::TinySequence(1);
-  Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {});
-  ThreadedPipeline threads(&pipeline, WhenFull::kWait, [](const SensorFrame&, const FrameResult&) {
-    throw std::runtime_error("disk full");
-  });
-  SensorFrame frame = frames[0];
-  // Far more than all queues hold: a producer must be refused sooner or later, not left waiting.
-  for (int i = 0; i < 100 && threads.Push(frame); ++i)
-    frame.pair.t_capture = frame.pair.t_capture + std::chrono::seconds(1);
-  EXPECT_THROW(threads.Finish(), std::runtime_error);
+  for (const Pace pace : {Pace::kEveryFrame, Pace::kNewest}) {
+    SensorFrame frame = test::TinySequence(1)[0];
+    Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {}, pace);
+    ThreadedPipeline threads(
+        &pipeline, pace, [](const PoseEstimate&) {},
+        [](const FrameResult&) { throw std::runtime_error("disk full"); });
+    // Far more than all queues hold: a producer must be refused sooner or later, not left waiting.
+    for (int i = 0; i < 100 && threads.Push(frame); ++i)
+      frame.pair.t_capture = frame.pair.t_capture + std::chrono::seconds(1);
+    EXPECT_THROW(threads.Finish(), std::runtime_error);
+  }
 }
 
-TEST(ThreadedPipelineTest, TheNewestFrameWinsLiveAndNoSampleIsLost) {
-  std::vector<SensorFrame> frames = test::TinySequence(1);
-  Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {});
-  std::int64_t num_frames = 0;
-  std::int64_t num_samples = 0;
+TEST(ThreadedPipelineTest, AtTheNewestFramesPaceEveryFrameHasAPoseAndAResultOrIsCounted) {
+  const SensorFrame first = test::TinySequence(1)[0];
+  Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {}, Pace::kNewest);
+  std::vector<FrameId> poses, results;
   Timestamp newest;
-  ThreadedPipeline threads(&pipeline, WhenFull::kDropOldest,
-                           [&](const SensorFrame& sensors, const FrameResult&) {
-                             ++num_frames;
-                             num_samples += static_cast<std::int64_t>(sensors.samples.imu.size());
-                             newest = sensors.pair.t_capture;
-                           });
+  ThreadedPipeline threads(
+      &pipeline, Pace::kNewest, [&](const PoseEstimate& pose) { poses.push_back(pose.frame_id); },
+      [&](const FrameResult& result) {
+        results.push_back(result.pose.frame_id);
+        newest = result.pose.t_capture;
+      });
   const int num_pushed = 60;
   for (int i = 0; i < num_pushed; ++i) {
-    SensorFrame frame = frames[0];
+    SensorFrame frame = first;
     frame.pair.t_capture = frame.pair.t_capture + std::chrono::milliseconds(100 * i);
-    frame.samples.imu.push_back({.t = frame.pair.t_capture, .accel = {0, 0, 9.81}});
-    EXPECT_TRUE(threads.Push(frame));
+    if (i % 7 == 3)
+      frame.pair = {.t_capture = frame.pair.t_capture, .left = {}, .right = {}, .problem = "is damaged"};
+    EXPECT_TRUE(threads.Push(std::move(frame)));
   }
   threads.Finish();
-  EXPECT_EQ(num_frames + threads.num_dropped(), num_pushed);
-  EXPECT_GT(threads.num_dropped(), 0) << "60 frames at once must be more than the pipeline takes";
-  EXPECT_EQ(num_samples, num_pushed);
-  EXPECT_EQ(newest, frames[0].pair.t_capture + std::chrono::milliseconds(100 * (num_pushed - 1)));
+  EXPECT_EQ(static_cast<std::int64_t>(poses.size()) + threads.counts().num_dropped, num_pushed);
+  EXPECT_GT(threads.counts().num_dropped, 0) << "60 frames at once must be more than the odometry takes";
+  EXPECT_EQ(results, poses);
+  EXPECT_TRUE(std::is_sorted(poses.begin(), poses.end()));
+  EXPECT_EQ(newest, first.pair.t_capture + std::chrono::milliseconds(100 * (num_pushed - 1)));
+}
+
+TEST(ThreadedPipelineTest, APoseLeavesWhileTheMapIsBusyWithAnEarlierFrame) {
+  const std::vector<SensorFrame> frames = test::TinySequence(8);
+  Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {}, Pace::kNewest);
+  std::promise<void> all_poses;
+  int num_poses = 0;
+  const auto on_pose = [&](const PoseEstimate&) {
+    if (++num_poses == static_cast<int>(frames.size())) all_poses.set_value();
+  };
+  std::shared_future<void> poses_are_out = all_poses.get_future().share();
+  int num_results = 0;
+  ThreadedPipeline threads(&pipeline, Pace::kNewest, on_pose, [&](const FrameResult&) {
+    // The map of the first frame is not done before the poses of all frames are out.
+    if (num_results++ > 0) return;
+    EXPECT_EQ(poses_are_out.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  });
+  for (const SensorFrame& frame : frames) {
+    // One after the other, so that the odometry drops none.
+    while (threads.counts().num_waiting > 0) std::this_thread::yield();
+    ASSERT_TRUE(threads.Push(frame));
+  }
+  threads.Finish();
+  EXPECT_EQ(num_results + threads.counts().num_dropped, static_cast<int>(frames.size()));
+}
+
+TEST(SaveSamplesTest, PutsTheSamplesOfADroppedFrameInFrontOfTheNextOnes) {
+  SensorFrame dropped, next;
+  dropped.samples.imu.push_back({.t = Timestamp{1}});
+  dropped.samples.priors.push_back({.t = Timestamp{2}});
+  next.samples.imu.push_back({.t = Timestamp{3}});
+  SaveSamples(dropped, &next);
+  ASSERT_EQ(next.samples.imu.size(), 2U);
+  EXPECT_EQ(next.samples.imu.front().t, Timestamp{1});
+  ASSERT_EQ(next.samples.priors.size(), 1U);
+}
+
+TEST(PipelineTest, APausedMapLetsThePosesGoOn) {
+  const std::vector<SensorFrame> frames = test::TinySequence(4);
+  Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {});
+  pipeline.PauseMap(true);
+  for (int i = 0; i < 3; ++i) {
+    const FrameResult result = pipeline.Process(frames[static_cast<std::size_t>(i)]);
+    EXPECT_EQ(result.pose.status, TrackingStatus::kTracking);
+    EXPECT_EQ(result.change.map_cells, 0);
+  }
+  pipeline.PauseMap(false);
+  EXPECT_GT(pipeline.Process(frames[3]).change.map_cells, 0);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "evaluation/film_strip.h"
-#include "evaluation/result_files.h"
+#include "results/replay_result.h"
 
 namespace terrace {
 namespace {

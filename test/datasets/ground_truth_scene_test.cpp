@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/json_value.h"
 #include "datasets/ground_truth.h"
-#include "datasets/json_value.h"
 #include "datasets/npz_file.h"
 
 namespace terrace {

@@ -130,6 +130,57 @@ TEST(KittiTest, RefusesSenselessCalibrationWithFileAndRule) {
   EXPECT_THAT(KittiProblem(folder.path()), HasSubstr("calib.txt: no line holds P0: to P3: with 12 numbers"));
 }
 
+TEST(KittiTest, SaysWhenTimesEndBeforeTheImages) {
+  const TemporaryFolder folder;
+  WriteSmallKitti(folder.path());
+  WriteText(folder.path() / "times.txt", "0.0\n0.1\n");
+  const auto sequence = OpenKittiSequence(folder.path());
+  EXPECT_EQ(sequence->info().num_frames, 2);
+  EXPECT_THAT(sequence->info().warnings,
+              ElementsAre(HasSubstr("ends before the images do: the last 2 frames left out")));
+}
+
+TEST(KittiTest, ReadsImagesNamedByTheirTimesWithOrWithoutAListOfTimes) {
+  const TemporaryFolder folder;
+  WriteSmallKitti(folder.path());
+  // Not in the order of their names: seconds before the decimal point grow by a digit.
+  const char* const kNames[] = {"999999999.900000001.png", "1000000000.000000001.png",
+                                "1000000000.100000001.png", "1000000000.200000001.png"};
+  for (int side = 0; side < 2; ++side) {
+    const fs::path images = folder.path() / ("image_" + std::to_string(side));
+    for (int i = 0; i < kSmallFrames; ++i)
+      fs::rename(images / ("00000" + std::to_string(i) + ".png"), images / kNames[i]);
+  }
+  auto sequence = OpenKittiSequence(folder.path());
+  EXPECT_EQ(sequence->info().num_frames, 4);
+  EXPECT_EQ(sequence->info().t_first.ns, 3'735'900);  // of times.txt
+  for (int i = 0; i < kSmallFrames; ++i) {
+    const auto frame = sequence->Next();
+    EXPECT_EQ(frame->pair.left.data, SmallImage(2 * i).data) << i;
+    EXPECT_EQ(frame->pair.right.data, SmallImage(2 * i + 1).data) << i;
+  }
+  fs::remove(folder.path() / "times.txt");
+  sequence = OpenKittiSequence(folder.path());
+  EXPECT_EQ(sequence->info().t_first.ns, 999'999'999'900'000'001);
+  EXPECT_EQ(sequence->info().t_last.ns, 1'000'000'000'200'000'001);
+}
+
+TEST(KittiTest, TakesAnyImageFormatByItsEnding) {
+  const TemporaryFolder folder;
+  WriteSmallKitti(folder.path());
+  for (int side = 0; side < 2; ++side) {
+    const fs::path images = folder.path() / ("image_" + std::to_string(side));
+    for (int i = 0; i < kSmallFrames; ++i) {
+      fs::remove(images / ("00000" + std::to_string(i) + ".png"));
+      const GrayImage image = SmallImage(2 * i + side);
+      WriteText(images / ("000000000" + std::to_string(i) + ".pgm"),
+                "P5\n32 24\n255\n" + std::string(image.data.begin(), image.data.end()));
+    }
+  }
+  const auto sequence = OpenKittiSequence(folder.path());
+  EXPECT_EQ(sequence->Next()->pair.right.data, SmallImage(1).data);
+}
+
 TEST(KittiTest, RefusesPairsOfDifferentSize) {
   const TemporaryFolder folder;
   WriteSmallKitti(folder.path());

@@ -9,10 +9,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/lcm_event_log.h"
 #include "datasets/lcm_log_writer.h"
-#include "lcmtypes/codec.h"
+#include "lcmtypes/calibration_codec.h"
+#include "lcmtypes/pose_codec.h"
+#include "lcmtypes/sensor_codec.h"
 #include "test/datasets/temporary_folder.h"
 #include "test/datasets/tiny_euroc.h"
 

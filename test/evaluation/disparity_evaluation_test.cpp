@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "evaluation/planar_shape.h"
 
 namespace terrace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/image_file.h"
 #include "datasets/npz_file.h"
 #include "evaluation/evaluation_text.h"
@@ -164,7 +164,7 @@ TEST_F(EvaluationTest, WritesTheFiguresThatOtherProgramsRead) {
   }
   EXPECT_NEAR(json["feet"]["unsupported_pct"].get<double>(), 0.0, 1e-9);
   EXPECT_TRUE(json["feet"]["offered_pct"].is_null());  // no label image says what was well seen
-  EXPECT_EQ(json["staircases"]["recall"], 0.0);  // none was reported
+  EXPECT_EQ(json["staircases"]["recall"], 0.0);        // none was reported
   EXPECT_NEAR(json["time"]["latency_growth"]["ms_per_1000_cells"].get<double>(), 2.0, 1e-9);
   EXPECT_NEAR(json["time"]["latency_growth"]["ms_per_100_regions"].get<double>(), 10.0, 1e-9);
   EXPECT_FALSE(json.contains("disparity"));

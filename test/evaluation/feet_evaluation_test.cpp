@@ -13,14 +13,14 @@ namespace terrace {
 namespace {
 
 constexpr double kFootCell_m2 = 1e-4;
-const Eigen::Vector3d kX = Eigen::Vector3d::UnitX();
-const Eigen::Vector3d kY = Eigen::Vector3d::UnitY();
-const Eigen::Vector3d kZ = Eigen::Vector3d::UnitZ();
+const Eigen::Vector3d kAlongX = Eigen::Vector3d::UnitX();
+const Eigen::Vector3d kAlongY = Eigen::Vector3d::UnitY();
+const Eigen::Vector3d kUpwards = Eigen::Vector3d::UnitZ();
 
 /// A square metre of floor in the air.
 TrueScene Platform(const std::string& label = "walkway") {
   TrueScene scene;
-  scene.polygons.push_back(Rectangle(1, label, {0, 0, 0}, kX, kY, 25, 25));
+  scene.polygons.push_back(Rectangle(1, label, {0, 0, 0}, kAlongX, kAlongY, 25, 25));
   return scene;
 }
 
@@ -43,13 +43,13 @@ TerrainMap Changed(const TerrainMap& map, double to_x_m, double lift_m = 0.0) {
   return changed;
 }
 
-FeetEvaluation Evaluate(const TerrainMap& map, const TrueScene& truth) {
+FeetEvaluation EvaluateOn(const TerrainMap& map, const TrueScene& truth) {
   return EvaluateFeet(map, truth, AllWellSeen(truth), Eigen::Isometry3d::Identity());
 }
 
 TEST(FeetEvaluationTest, GivesPerfectMarksToTheTruth) {
   const TrueScene truth = Platform();
-  const FeetEvaluation feet = Evaluate(MapOf(truth), truth);
+  const FeetEvaluation feet = EvaluateOn(MapOf(truth), truth);
   EXPECT_NEAR(feet.foothold_m2, 94 * 94 * kFootCell_m2, kExact);
   EXPECT_NEAR(feet.well_seen_m2, 94 * 94 * kFootCell_m2, kExact);
   EXPECT_NEAR(*feet.unsupported_pct(), 0.0, kExact);
@@ -61,7 +61,7 @@ TEST(FeetEvaluationTest, GivesPerfectMarksToTheTruth) {
 
 TEST(FeetEvaluationTest, CountsFootholdsBeyondATrueEdgeAsUnsupported) {
   const TrueScene truth = Platform();
-  const FeetEvaluation feet = Evaluate(Changed(MapOf(truth), 1.10), truth);
+  const FeetEvaluation feet = EvaluateOn(Changed(MapOf(truth), 1.10), truth);
   EXPECT_NEAR(feet.foothold_m2, 104 * 94 * kFootCell_m2, kExact);
   // Footholds reach to 1.07 m, discs of 2 cm about those up to 1.02 m touch the floor: five columns do not.
   EXPECT_NEAR(feet.unsupported_m2, 5 * 94 * kFootCell_m2, kExact);
@@ -75,13 +75,13 @@ TEST(FeetEvaluationTest, CountsFootholdsBeyondATrueEdgeAsUnsupported) {
 
 TEST(FeetEvaluationTest, TakesTheGroundBelowADropForNoReachPastIt) {
   TrueScene truth = Platform();
-  truth.polygons.push_back(Rectangle(2, "walkway", {1, 0, -0.051}, kX, kY, 25, 25));
-  EXPECT_NEAR(*Evaluate(MapOf(truth), truth).drop_over_p100_m, 0.0, kExact);
+  truth.polygons.push_back(Rectangle(2, "walkway", {1, 0, -0.051}, kAlongX, kAlongY, 25, 25));
+  EXPECT_NEAR(*EvaluateOn(MapOf(truth), truth).drop_over_p100_m, 0.0, kExact);
 }
 
 TEST(FeetEvaluationTest, CountsWhatAShortRegionDoesNotOffer) {
   const TrueScene truth = Platform("stair_tread");
-  const FeetEvaluation feet = Evaluate(Changed(MapOf(truth), 0.95), truth);
+  const FeetEvaluation feet = EvaluateOn(Changed(MapOf(truth), 0.95), truth);
   EXPECT_NEAR(*feet.offered_pct(), 100.0 * 89 / 94, 1e-6);
   ASSERT_EQ(feet.treads.size(), 1u);
   EXPECT_NEAR(feet.treads[0].offered_pct(), 100.0 * 89 / 94, 1e-6);
@@ -92,7 +92,7 @@ TEST(FeetEvaluationTest, CountsWhatAShortRegionDoesNotOffer) {
 TEST(FeetEvaluationTest, MeasuresTheEdgesOfWhatWasWellSeen) {
   const TrueScene truth = Platform();
   // A quarter of the edge is 1 cm short; beside the corners another edge is nearer.
-  const EdgeFigures edges = Evaluate(Changed(MapOf(truth), 0.99), truth).edges;
+  const EdgeFigures edges = EvaluateOn(Changed(MapOf(truth), 0.99), truth).edges;
   EXPECT_EQ(edges.count, 200);
   EXPECT_NEAR(edges.median_m, 0.0, kExact);
   EXPECT_NEAR(edges.p95_m, 0.01, kExact);
@@ -102,20 +102,20 @@ TEST(FeetEvaluationTest, MeasuresTheEdgesOfWhatWasWellSeen) {
 
 TEST(FeetEvaluationTest, HoldsAFootThatIsTwoCentimetresOffInHeightButNotThree) {
   const TrueScene truth = Platform();
-  const FeetEvaluation two = Evaluate(Changed(MapOf(truth), 1.0, 0.02), truth);
+  const FeetEvaluation two = EvaluateOn(Changed(MapOf(truth), 1.0, 0.02), truth);
   EXPECT_NEAR(*two.unsupported_pct(), 0.0, kExact);
   EXPECT_NEAR(*two.offered_pct(), 100.0, kExact);
-  const FeetEvaluation three = Evaluate(Changed(MapOf(truth), 1.0, -0.03), truth);
+  const FeetEvaluation three = EvaluateOn(Changed(MapOf(truth), 1.0, -0.03), truth);
   EXPECT_NEAR(*three.unsupported_pct(), 100.0, 1e-6);
   EXPECT_NEAR(*three.offered_pct(), 0.0, kExact);
 }
 
 TEST(FeetEvaluationTest, StandsOnAnythingThatIsNotUprightWhateverItsLabel) {
   TrueScene truth = Platform();
-  truth.polygons.push_back(Rectangle(2, "other", {1, 0, 0}, kX, kY, 25, 25));
-  EXPECT_NEAR(*Evaluate(Changed(MapOf(Platform()), 1.5), truth).unsupported_pct(), 0.0, kExact);
-  truth.polygons[1] = Rectangle(2, "wall", {1, 0, -0.5}, kZ, kY, 25, 25);
-  EXPECT_GT(*Evaluate(Changed(MapOf(Platform()), 1.5), truth).unsupported_pct(), 20.0);
+  truth.polygons.push_back(Rectangle(2, "other", {1, 0, 0}, kAlongX, kAlongY, 25, 25));
+  EXPECT_NEAR(*EvaluateOn(Changed(MapOf(Platform()), 1.5), truth).unsupported_pct(), 0.0, kExact);
+  truth.polygons[1] = Rectangle(2, "wall", {1, 0, -0.5}, kUpwards, kAlongY, 25, 25);
+  EXPECT_GT(*EvaluateOn(Changed(MapOf(Platform()), 1.5), truth).unsupported_pct(), 20.0);
 }
 
 TEST(FeetEvaluationTest, OffersNothingThatIsPredictedOrNotWalkable) {
@@ -125,13 +125,13 @@ TEST(FeetEvaluationTest, OffersNothingThatIsPredictedOrNotWalkable) {
   const TerrainMap obstacle =
       WithRegion(MapOf(truth), 1, [](TerrainRegion& region) { region.label = TerrainLabel::kObstacle; });
   for (const TerrainMap& map : {predicted, obstacle}) {
-    const FeetEvaluation feet = Evaluate(map, truth);
+    const FeetEvaluation feet = EvaluateOn(map, truth);
     EXPECT_FALSE(feet.unsupported_pct());
     EXPECT_EQ(*feet.offered_pct(), 0.0);
   }
   // What is only predicted covers no edge either, an obstacle does.
-  EXPECT_NEAR(Evaluate(predicted, truth).edges.missed_share, 1.0, kExact);
-  EXPECT_NEAR(Evaluate(obstacle, truth).edges.missed_share, 0.0, kExact);
+  EXPECT_NEAR(EvaluateOn(predicted, truth).edges.missed_share, 1.0, kExact);
+  EXPECT_NEAR(EvaluateOn(obstacle, truth).edges.missed_share, 0.0, kExact);
 }
 
 TEST(FeetEvaluationTest, AsksOnlyForWhatWasWellSeen) {
@@ -144,7 +144,7 @@ TEST(FeetEvaluationTest, AsksOnlyForWhatWasWellSeen) {
 
 TEST(FeetEvaluationTest, PaintsWhatNothingCarriesRed) {
   const TrueScene truth = Platform();
-  const ColourImage picture = PictureOfFeet(Evaluate(Changed(MapOf(truth), 1.10), truth));
+  const ColourImage picture = PictureOfFeet(EvaluateOn(Changed(MapOf(truth), 1.10), truth));
   int red = 0, green = 0;
   for (int v = 0; v < picture.height; ++v) {
     for (int u = 0; u < picture.width; ++u) {

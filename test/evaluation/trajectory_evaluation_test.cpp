@@ -5,12 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "test/evaluation/exact.h"
 
 namespace terrace {
 namespace {
-
 
 Timestamp TimeOf(int frame) { return {1'600'000'000'000'000'000 + frame * 100'000'000LL}; }
 

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lcmtypes/codec.h"
-
+#include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lcmtypes/calibration_codec.h"
+#include "lcmtypes/pose_codec.h"
+#include "lcmtypes/region_codec.h"
+#include "lcmtypes/sensor_codec.h"
+#include "lcmtypes/status_codec.h"
+#include "lcmtypes/terrain_codec.h"
 #include "test/lcmtypes/example_maps.h"
 #include "test/lcmtypes/over_memq.h"
 
@@ -39,6 +45,8 @@ void ExpectSameRegion(const TerrainRegion& a, const TerrainRegion& b) {
   EXPECT_NEAR(a.support, b.support, kFloatRelative);
   EXPECT_EQ(a.edges, b.edges);
   EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.why, b.why);
+  EXPECT_NEAR((a.centroid_world - b.centroid_world).norm(), 0.0, 1e-9);
   EXPECT_EQ(a.num_observations, b.num_observations);
   EXPECT_EQ(a.first_seen, b.first_seen);
   EXPECT_EQ(a.last_seen, b.last_seen);
@@ -76,6 +84,75 @@ TEST(CodecTest, GivesThePoseOfTheBodyWithItsVelocities) {
   EXPECT_NEAR(message->vel[0], 0.5, 1e-3);
   EXPECT_NEAR(message->vel[2], 0.0, 1e-9);
   EXPECT_NEAR(message->rotation_rate[2], 0.2, 1e-9);
+}
+
+TEST(CodecTest, CarriesTheBodysPoseWithWhatIsKnownOfIt) {
+  PoseEstimate pose;
+  pose.t_capture = {1600000000100000123};
+  pose.status = TrackingStatus::kBridging;
+  pose.reason = "dark";
+  pose.reason_code = ReasonCode::kFewFeatures;
+  pose.epoch = 3;
+  pose.T_world_left = SomePose(0.5);
+  pose.covariance = Matrix6d::Identity();
+  const BodyPose body = BodyPoseOf(pose, SomePose(1.0), Timestamp{1600000000000000000}, 77);
+  const auto message = OverMemq(ToMessage(body));
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->reason_code, pose_v1_t::REASON_FEW_FEATURES);
+  const auto back = FromMessage(*message);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->t_capture, pose.t_capture);
+  EXPECT_EQ(back->map_id, 77);
+  EXPECT_EQ(back->epoch, 3);
+  EXPECT_EQ(back->status, TrackingStatus::kBridging);
+  EXPECT_EQ(back->reason_code, ReasonCode::kFewFeatures);
+  EXPECT_EQ(back->reason, "dark");
+  ASSERT_TRUE(back->T_world_body);
+  EXPECT_TRUE(back->T_world_body->isApprox(pose.T_world_left * SomePose(1.0).inverse(), 1e-12));
+  EXPECT_EQ(back->covariance, body.covariance);
+  ASSERT_TRUE(back->velocity);
+  EXPECT_EQ(back->velocity->linear_body, body.velocity->linear_body);
+}
+
+TEST(CodecTest, GivesNoPoseAndNoVelocityWhereNoneIsKnown) {
+  PoseEstimate pose;
+  pose.t_capture = {1600000000100000000};
+  pose.status = TrackingStatus::kLost;
+  pose.reason = "a sentence without a code";
+  const auto message = OverMemq(ToMessage(BodyPoseOf(pose, SomePose(1.0), Timestamp{1}, 0)));
+  ASSERT_TRUE(message);
+  const auto back = FromMessage(*message);
+  ASSERT_TRUE(back);
+  EXPECT_FALSE(back->T_world_body);
+  EXPECT_FALSE(back->velocity);
+  EXPECT_EQ(back->reason_code, ReasonCode::kOther);
+}
+
+TEST(CodecTest, GivesTheCovarianceOfTheBodyAsErrorsOfTheCameraMoveIt) {
+  // The error of the body is found by moving the camera a little along each axis, one after the other.
+  const Eigen::Isometry3d T_body_left = SomePose(1.3);
+  PoseEstimate pose;
+  pose.status = TrackingStatus::kTracking;
+  pose.T_world_left = SomePose(0.4);
+  Matrix6d root = Matrix6d::Zero();
+  for (int i = 0; i < 36; ++i) root(i / 6, i % 6) = 0.1 * ((i * 7) % 11 - 5);
+  pose.covariance = root * root.transpose();
+  constexpr double kStep = 1e-6;
+  const Eigen::Isometry3d T_world_body = pose.T_world_left * T_body_left.inverse();
+  Matrix6d moved = Matrix6d::Zero();
+  for (int axis = 0; axis < 6; ++axis) {
+    Vector6d error = Vector6d::Zero();
+    error[axis] = kStep;
+    Eigen::Isometry3d wrong = pose.T_world_left;
+    wrong.translate(Eigen::Vector3d(error.tail<3>()));
+    if (axis < 3) wrong.rotate(Eigen::AngleAxisd(kStep, Eigen::Vector3d::Unit(axis)));
+    const Eigen::Isometry3d T_body_wrong = T_world_body.inverse() * (wrong * T_body_left.inverse());
+    const Eigen::AngleAxisd turn(T_body_wrong.linear());
+    moved.col(axis).head<3>() = turn.axis() * turn.angle() / kStep;
+    moved.col(axis).tail<3>() = T_body_wrong.translation() / kStep;
+  }
+  const Matrix6d expected = moved * pose.covariance * moved.transpose();
+  EXPECT_TRUE(BodyPoseOf(pose, T_body_left, std::nullopt, 0).covariance.isApprox(expected, 1e-4));
 }
 
 TEST(CodecTest, GivesTheMotionOfTheCameraWithItsCovariance) {
@@ -189,6 +266,12 @@ TEST(CodecTest, CarriesTheStatus) {
   status.reason = "dark";
   status.num_imu_gaps = 3;
   status.fps_in = 14.5;
+  status.reason_code = ReasonCode::kInputTrouble;
+  status.map_id = 1600000000000123;
+  status.map_seq = 12;
+  status.epoch = 2;
+  status.inputs = {{"imu", "TERRACE_IMU", 1000, 3, 200.5, 4.5},
+                   {"images", "CAMERA", 0, 0, 0.0, std::nullopt}};
   status.stages = {{"disparity", 10, 9, 1, 2, 0.5, 1.5, 2.5, 3.5}, {"merging", 1, 1, 0, 0, 0, 0, 0, 0}};
   const auto message = OverMemq(ToMessage(status));
   ASSERT_TRUE(message);
@@ -203,7 +286,19 @@ TEST(CodecTest, CarriesTheStatus) {
   EXPECT_EQ(back->reason, "dark");
   EXPECT_EQ(back->num_imu_gaps, 3);
   EXPECT_EQ(back->fps_in, 14.5);
+  EXPECT_EQ(back->reason_code, ReasonCode::kInputTrouble);
+  EXPECT_EQ(back->map_id, 1600000000000123);
+  EXPECT_EQ(back->map_seq, 12);
+  EXPECT_EQ(back->epoch, 2);
+  ASSERT_EQ(back->inputs.size(), 2u);
+  EXPECT_EQ(back->inputs[0].channel, "TERRACE_IMU");
+  EXPECT_EQ(back->inputs[0].num_messages, 1000);
+  EXPECT_EQ(back->inputs[0].num_bad, 3);
+  EXPECT_EQ(back->inputs[0].rate_hz, 200.5);
+  EXPECT_EQ(back->inputs[0].age_ms, 4.5);
+  EXPECT_FALSE(back->inputs[1].age_ms) << "nothing has arrived";
   ASSERT_EQ(back->stages.size(), 2u);
+  EXPECT_EQ(back->stages[0].queue_depth, 2);
   EXPECT_EQ(back->stages[0].name, "disparity");
   EXPECT_EQ(back->stages[0].num_dropped, 1);
   EXPECT_EQ(back->stages[0].p99_ms, 2.5);
@@ -221,12 +316,60 @@ TEST(CodecTest, CarriesRegionsOfEveryShape) {
   }
 }
 
-TEST(CodecTest, MeasuresTheSlopeAgainstGravityNotAgainstZ) {
+TEST(CodecTest, CutsALargeRegionIntoPiecesThatGiveItBackWhole) {
+  constexpr std::size_t kPieceBytes = 400;
+  ExampleMaps maps(8);
+  int most_pieces = 0;
+  for (int i = 1; i <= 50; ++i) {
+    const auto region = maps.Region(i, i);
+    const std::vector<region_v1_t> pieces = RegionPieces(*region, Gravity(), kPieceBytes);
+    std::vector<const region_v1_t*> in_order;
+    for (const region_v1_t& piece : pieces) {
+      EXPECT_LE(static_cast<std::size_t>(piece._getEncodedSizeNoHash()), kPieceBytes);
+      in_order.push_back(&piece);
+    }
+    most_pieces = std::max(most_pieces, static_cast<int>(pieces.size()));
+    const auto back = RegionFromPieces(in_order);
+    ASSERT_TRUE(back);
+    ExpectSameRegion(*back, *region);
+    if (pieces.size() == 1) continue;
+    EXPECT_FALSE(FromMessage(pieces[0])) << "a piece is no region";
+    std::reverse(in_order.begin(), in_order.end());
+    EXPECT_FALSE(RegionFromPieces(in_order));
+    in_order.pop_back();
+    EXPECT_FALSE(RegionFromPieces(in_order));
+  }
+  EXPECT_GE(most_pieces, 3);
+}
+
+TEST(CodecTest, GivesTheHeightOfThePlaneAtItsOriginTheVarianceThatTheRegionHasAtItsCentroid) {
+  ExampleMaps maps(9);
+  const auto region = maps.Region(1, 1);
+  const region_v1_t message = ToMessage(*region, Gravity());
+  EXPECT_NEAR(
+      (Eigen::Vector3d(message.origin[0], message.origin[1], message.origin[2]) - region->centroid_world)
+          .norm(),
+      0.0, 1e-9);
+  EXPECT_NEAR(message.plane_cov[5], region->plane_covariance(2, 2), 1e-12);
+  EXPECT_NEAR(message.plane_cov[2], region->plane_covariance(0, 2), 1e-12);
+}
+
+TEST(CodecTest, ReadsALabelThatItDoesNotKnowAsUnknown) {
+  region_v1_t message = ToMessage(*ExampleMaps(10).Region(1, 1), Gravity());
+  message.label = kNumTerrainLabels + 3;
+  const auto region = FromMessage(message);
+  ASSERT_TRUE(region);
+  EXPECT_EQ(region->label, TerrainLabel::kUnknown);
+}
+
+TEST(CodecTest, MeasuresTheSlopeAgainstGravityNotAgainstZAndTellsCeilingsFromFloors) {
   TerrainRegion region;
   region.id = 1;
   Gravity gravity;
   gravity.down_world = Eigen::Vector3d(0.1, 0.0, -1.0).normalized();
   EXPECT_NEAR(ToMessage(region, gravity).slope, std::atan(0.1), 1e-6);
+  region.plane_world.normal = -Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR(ToMessage(region, gravity).slope, M_PI - std::atan(0.1), 1e-6);
 }
 
 TEST(CodecTest, CarriesStaircases) {
@@ -244,7 +387,6 @@ TEST(CodecTest, CarriesStaircases) {
   EXPECT_EQ(back->foot_edge_world, stairs.foot_edge_world);
   EXPECT_EQ(back->head_edge_world, stairs.head_edge_world);
   EXPECT_TRUE(back->direction_up_world.isApprox(stairs.direction_up_world, kFloatRelative));
-  EXPECT_EQ(back->region_ids, stairs.region_ids);
   EXPECT_EQ(back->last_seen, stairs.last_seen);
 }
 
@@ -253,8 +395,17 @@ TEST(CodecTest, RefusesValuesThatCannotBeMeant) {
   const region_v1_t good = ToMessage(*maps.Region(1, 1), Gravity());
   ASSERT_TRUE(FromMessage(good));
   region_v1_t bad = good;
-  bad.label = 8;
-  EXPECT_FALSE(FromMessage(bad)) << "no such label";
+  bad.source = kNumRegionSources;
+  EXPECT_FALSE(FromMessage(bad)) << "no such source";
+  bad = good;
+  bad.edge_kind[0] = kNumEdgeKinds;
+  EXPECT_FALSE(FromMessage(bad)) << "no such kind of an edge";
+  bad = good;
+  bad.edge_step[0] = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(FromMessage(bad)) << "no step is so high";
+  bad = good;
+  bad.continues = 1;
+  EXPECT_FALSE(FromMessage(bad)) << "goes on with nothing";
   bad = good;
   bad.coords[1] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(FromMessage(bad)) << "not a number";
@@ -284,17 +435,17 @@ TEST(CodecTest, RefusesValuesThatCannotBeMeant) {
 
 TEST(TerrainMessagesTest, CutsASnapshotIntoPartsBelowTheLimitThatHoldEveryRegionOnce) {
   const TerrainMap map = ExampleMaps(4).First(300);
-  const std::vector<terrain_v1_t> parts = SnapshotMessages(map, 10000);
+  const std::vector<terrain_v1_t> parts = SnapshotMessages(map);
   EXPECT_GT(parts.size(), 5u);
   std::set<std::int64_t> ids;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    EXPECT_LE(parts[i].getEncodedSize(), 10000);
+    EXPECT_LE(parts[i].getEncodedSize(), static_cast<int>(kMaxTerrainMessageBytes));
     EXPECT_EQ(parts[i].kind, terrain_v1_t::SNAPSHOT);
     EXPECT_EQ(parts[i].part, static_cast<int>(i));
     EXPECT_EQ(parts[i].n_parts, static_cast<int>(parts.size()));
     EXPECT_EQ(parts[i].seq, map.seq);
-    EXPECT_EQ(parts[i].n_staircases, i == 0 ? 1 : 0);
-    for (const region_v1_t& region : parts[i].regions) EXPECT_TRUE(ids.insert(region.id).second);
+    for (const region_v1_t& region : parts[i].regions)
+      EXPECT_EQ(ids.insert(region.id).second, region.piece == 0);
   }
   EXPECT_EQ(ids.size(), 300u);
 }
@@ -310,9 +461,10 @@ TEST(TerrainMessagesTest, SendsOnlyWhatChangedInADelta) {
   const TerrainMap base = maps.First(5);
   TerrainMap map = base;
   ++map.seq;
-  map.regions[1] = maps.Region(2, 2);
+  map.regions[1] = maps.Region(2, 9);
   map.regions.erase(map.regions.begin() + 3);
-  const std::vector<terrain_v1_t> parts = DeltaMessages(base, map);
+  map.staircases[0].riser_m += 0.01;
+  const std::vector<terrain_v1_t> parts = DeltaMessages(base, map, 20000);
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts[0].kind, terrain_v1_t::DELTA);
   EXPECT_EQ(parts[0].base_seq, base.seq);
@@ -321,6 +473,44 @@ TEST(TerrainMessagesTest, SendsOnlyWhatChangedInADelta) {
   ASSERT_EQ(parts[0].n_regions, 1);
   EXPECT_EQ(parts[0].regions[0].id, 2);
   EXPECT_EQ(parts[0].n_staircases, 1);
+}
+
+TEST(TerrainMessagesTest, CarriesWhatAMapSaysBesideItsRegions) {
+  TerrainMap map = ExampleMaps(6).First(1);
+  map.t_capture.ns += 123;
+  map.epoch = 4;
+  map.T_body_left = CanonicalPose(SomePose(0.7));
+  const auto message = OverMemq(TerrainHead(map, map.T_body_left));
+  ASSERT_TRUE(message);
+  const auto back = FromMessage(*message);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->t_capture, map.t_capture);
+  EXPECT_EQ(back->map_id, map.map_id);
+  EXPECT_EQ(back->epoch, 4);
+  EXPECT_TRUE(back->T_world_left.isApprox(map.T_world_left, 1e-12));
+  ASSERT_TRUE(back->T_body_left);
+  EXPECT_TRUE(back->T_body_left->isApprox(*map.T_body_left, 1e-9));
+  EXPECT_EQ(back->covariance, map.covariance);
+  EXPECT_EQ(back->gravity.down_world, map.gravity.down_world);
+  EXPECT_EQ(back->gravity.sigma_rad, map.gravity.sigma_rad);
+  EXPECT_EQ(back->gravity.source, map.gravity.source);
+  EXPECT_FALSE(FromMessage(TerrainHead(map, std::nullopt))->T_body_left) << "no body is known";
+}
+
+TEST(TerrainMessagesTest, ListsWhatWasSeenAgainInAsManyMessagesAsItTakes) {
+  const TerrainMap map = ExampleMaps(7).First(1);
+  std::vector<SeenRegion> seen;
+  for (int i = 0; i < 500; ++i) seen.push_back({i + 1, map.t_capture - std::chrono::milliseconds(i)});
+  const std::vector<terrain_v1_t> messages = SeenMessages(map, std::nullopt, seen);
+  EXPECT_GT(messages.size(), 3u);
+  std::map<std::int64_t, Timestamp> back;
+  for (const terrain_v1_t& message : messages) {
+    EXPECT_LE(message.getEncodedSize(), static_cast<int>(kMaxTerrainMessageBytes));
+    EXPECT_EQ(message.kind, terrain_v1_t::SEEN);
+    for (const SeenRegion& region : SeenIn(message)) back[region.id] = region.last_seen;
+  }
+  ASSERT_EQ(back.size(), 500u);
+  for (const SeenRegion& region : seen) EXPECT_EQ(back[region.id], region.last_seen);
 }
 
 }  // namespace

@@ -9,9 +9,15 @@
 #include <terrace/command_v1_t.hpp>
 #include <terrace/height_map_v1_t.hpp>
 #include <terrace/octree_v1_t.hpp>
+#include <terrace/terrain_repair_v1_t.hpp>
 
-#include "lcmtypes/codec.h"
+#include "lcmtypes/calibration_codec.h"
 #include "lcmtypes/image_codec.h"
+#include "lcmtypes/pose_codec.h"
+#include "lcmtypes/region_codec.h"
+#include "lcmtypes/sensor_codec.h"
+#include "lcmtypes/status_codec.h"
+#include "lcmtypes/terrain_codec.h"
 #include "test/lcmtypes/example_maps.h"
 
 namespace terrace {
@@ -29,6 +35,7 @@ template <typename Message>
 void Use(const Message& message) {
   if constexpr (requires { FromMessage(message); }) static_cast<void>(FromMessage(message));
   if constexpr (std::is_same_v<Message, terrain_v1_t>) {
+    static_cast<void>(SeenIn(message));
     for (const region_v1_t& region : message.regions) Use(region);
     for (const staircase_v1_t& staircase : message.staircases) Use(staircase);
   }
@@ -76,8 +83,10 @@ TEST(SafeDecodeTest, KnowsTheLayoutOfEveryType) {
   EXPECT_EQ(static_cast<std::uint64_t>(height_map_v1_t::getHash()), 0x9dbaddaa84988219u);
   EXPECT_EQ(static_cast<std::uint64_t>(imu_v1_t::getHash()), 0xf5a2c2bae3b8a624u);
   EXPECT_EQ(static_cast<std::uint64_t>(octree_v1_t::getHash()), 0x617d7e509a7acc9bu);
-  EXPECT_EQ(static_cast<std::uint64_t>(status_v1_t::getHash()), 0x25bc6321cb2284e5u);
-  EXPECT_EQ(static_cast<std::uint64_t>(terrain_v1_t::getHash()), 0x746d0225541fbfa6u);
+  EXPECT_EQ(static_cast<std::uint64_t>(pose_v1_t::getHash()), 0x5c824f3ceb87c722u);
+  EXPECT_EQ(static_cast<std::uint64_t>(terrain_repair_v1_t::getHash()), 0xdf59e08a291e842cu);
+  EXPECT_EQ(static_cast<std::uint64_t>(status_v1_t::getHash()), 0x62d1b74a9cd822beu);
+  EXPECT_EQ(static_cast<std::uint64_t>(terrain_v1_t::getHash()), 0xe388adea18aac77bu);
 }
 
 TEST(SafeDecodeTest, RefusesAnotherType) {
@@ -129,13 +138,32 @@ TEST(SafeDecodeTest, SurvivesHostileCommandsAndReplies) {
 TEST(SafeDecodeTest, SurvivesHostileTerrainAndStatus) {
   ExampleMaps maps(11);
   const TerrainMap base = maps.First(3);
-  Fuzz(SnapshotMessages(base)[0], 11);
-  Fuzz(DeltaMessages(base, maps.Next(base))[0], 12);
+  Fuzz(SnapshotMessages(base, 20000)[0], 11);
+  Fuzz(SnapshotMessages(base, 700)[1], 16);
+  Fuzz(DeltaMessages(base, maps.Next(base), 20000)[0], 12);
+  const SeenRegion seen[] = {{1, base.t_capture}, {3, base.t_capture}};
+  Fuzz(SeenMessages(base, Eigen::Isometry3d::Identity(), seen)[0], 17);
   Status status;
   status.version = "0.1";
   status.stages.resize(3);
   status.stages[1].name = "merging";
+  status.inputs.resize(2);
+  status.inputs[1].channel = "TERRACE_IMU";
   Fuzz(ToMessage(status), 13);
+}
+
+TEST(SafeDecodeTest, SurvivesHostilePosesAndRepairs) {
+  PoseEstimate pose;
+  pose.t_capture = {1600000000066666667};
+  pose.status = TrackingStatus::kTracking;
+  pose.reason = "in doubt";
+  Fuzz(ToMessage(BodyPoseOf(pose, Eigen::Isometry3d::Identity(), Timestamp{1600000000000000000}, 5)), 18);
+  terrain_repair_v1_t repair{};
+  repair.n_steps = 2;
+  repair.steps.resize(2);
+  repair.steps[1].n_missing = 3;
+  repair.steps[1].missing = {1, 4, -1};
+  Fuzz(repair, 19);
 }
 
 TEST(SafeDecodeTest, SurvivesHostileGridsAndTrees) {

@@ -45,7 +45,7 @@ TEST(KeyframeArchiveTest, RecognisesAPlaceFromAsideOfIt) {
 
   // 20 px to the right at 2.4 m is a step of 0.24 m.
   const auto found =
-      archive.Recognize(TexturedPyramid(20, 0), GridOfLandmarks(20, 0), Eigen::Isometry3d::Identity(), 1);
+      archive.Recognize(TexturedPyramid(20, 0), GridOfLandmarks(20, 0), Eigen::Isometry3d::Identity(), 0, 1);
   ASSERT_TRUE(found);
   EXPECT_LT((found->T_world_left.translation() - Eigen::Vector3d(5.24, 1.0, 0.0)).norm(), 0.02);
   EXPECT_LT(LogRotation(found->T_world_left.linear()).norm(), 0.01);
@@ -72,7 +72,7 @@ TEST(KeyframeArchiveTest, DoesNotRecogniseAnotherPlace) {
   keyframe.left = TexturedPyramid(0, 0);
   archive.Add(keyframe, GridOfLandmarks(0, 0), Matrix6d::Zero());
   EXPECT_FALSE(archive.Recognize(TexturedPyramid(5000, 3000), GridOfLandmarks(0, 0),
-                                 Eigen::Isometry3d::Identity(), 1));
+                                 Eigen::Isometry3d::Identity(), 0, 1));
 }
 
 TEST(KeyframeArchiveTest, StaysBoundedAndKeepsTheFirstAndTheNewest) {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +55,46 @@ bool SameBits(const DisparityImage& a, const DisparityImage& b) {
 }
 
 class DisparityMatcherTest : public testing::TestWithParam<std::string> {};
+
+/// A board before a wall at 12 px, with texture that is like itself nowhere else.
+StereoFrame BoardBeforeWall(const cv::Rect& in_left, int board_px) {
+  const StereoFrame wall = RenderPlane(480, 320, {12.0});
+  StereoFrame frame;
+  frame.left = wall.left.clone();
+  frame.right = wall.right.clone();
+  std::mt19937 random(5);
+  for (int v = in_left.y; v < in_left.br().y; v += 2)
+    for (int u = in_left.x; u < in_left.br().x; u += 2) {
+      const auto grey = static_cast<std::uint8_t>(40 + random() % 160);
+      for (const cv::Point& step : {cv::Point(0, 0), cv::Point(1, 0), cv::Point(0, 1), cv::Point(1, 1)}) {
+        const cv::Point pixel = cv::Point(u, v) + step;
+        frame.left(pixel) = grey;
+        frame.right(pixel - cv::Point(board_px, 0)) = grey;
+      }
+    }
+  return frame;
+}
+
+TEST_P(DisparityMatcherTest, LeavesUnknownWhatIsNearerThanTheSearchGoes) {
+  const cv::Rect in_left(200, 80, 160, 160);
+  // More is searched than 48, so that the board is found and left out; not so with 64.
+  for (const auto& [range, board_px] : {std::pair(48, 60), std::pair(64, 100)}) {
+    const DisparityImage result =
+        DisparityMatcher(Tier(GetParam(), range)).Match(BoardBeforeWall(in_left, board_px));
+    int num_on_board = 0, num_on_wall = 0;
+    for (int v = 0; v < 320; ++v)
+      for (int u = 20; u < 480; ++u) {
+        const bool known = !std::isnan(result.disparity_px(v, u));
+        EXPECT_FALSE(result.disparity_px(v, u) > static_cast<float>(range));
+        num_on_board += known && in_left.contains({u, v});
+        num_on_wall += known && u > 380;
+      }
+    EXPECT_LT(num_on_board, 0.1 * in_left.area()) << range;  // at its edges the wall's texture reaches in
+    EXPECT_GT(num_on_wall, 0.95 * 320 * 99) << range;
+    EXPECT_GT(result.no_match_share + result.limit_share, 0.1) << range;
+  }
+  EXPECT_LT(DisparityMatcher(Tier(GetParam(), 128)).Match(BoardBeforeWall(in_left, 60)).limit_share, 0.002);
+}
 
 TEST_P(DisparityMatcherTest, FindsAPlaneWhenTheRightRowsAreOff) {
   const SlantedPlane plane{8.3, 0.01, 0.05};

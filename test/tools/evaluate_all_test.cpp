@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "evaluation/baseline.h"
 
 namespace terrace {

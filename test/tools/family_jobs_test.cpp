@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 
 namespace terrace {
 namespace {
@@ -27,8 +27,8 @@ TEST(FamilyJobsTest, LeavesOtherLinesAlone) {
 }
 
 TEST(FamilyJobsTest, RefusesSeedsThatAreNone) {
-  for (const char* line : {"a family:up", "a family:up,seeds=", "a family:up,seeds=x", "a family:up,seeds=3-2",
-                           "a family:up,seeds=1-", "a family:up,seeds=1-99999999"}) {
+  for (const char* line : {"a family:up", "a family:up,seeds=", "a family:up,seeds=x",
+                           "a family:up,seeds=3-2", "a family:up,seeds=1-", "a family:up,seeds=1-99999999"}) {
     EXPECT_THROW(ExpandFamily(ParseJob(line, "list:1"), "list:1"), FileError) << line;
   }
   EXPECT_EQ(ExpandFamily(ParseJob("a family:up,seeds=5", "list:1"), "list:1").size(), 1u);

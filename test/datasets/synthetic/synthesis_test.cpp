@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 #include "datasets/ground_truth.h"
 #include "datasets/image_file.h"
 #include "datasets/sequence.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/json_value.h"
+#include "core/json_value.h"
 
 #include <cmath>
 

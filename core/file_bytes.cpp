@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/file_bytes.h"
+#include "core/file_bytes.h"
 
 #include <fstream>
 

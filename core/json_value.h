@@ -12,8 +12,8 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "core/file_bytes.h"
 #include "core/geometry.h"
-#include "datasets/file_bytes.h"
 
 // nlohmann's header is heavy: include this from .cpp files only.
 

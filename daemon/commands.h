@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <terrace/command_reply_v1_t.hpp>
+#include <terrace/command_v1_t.hpp>
+
+#include "core/terrain_map.h"
+
+namespace terrace {
+
+/// What a daemon can be told to do, by whoever knows how.
+struct CommandActions {
+  std::function<void()> reset_map;
+  std::function<void(bool paused)> pause_map;
+  std::function<bool()> send_snapshot;  ///< false: there is no map yet
+  std::function<TerrainMapPtr()> map;   ///< null: there is none yet
+};
+
+/// Obeys the commands that arrive on the bus, where anyone can send anything.
+class CommandObeyer {
+ public:
+  /// @param save_folder  into which SAVE_MAP may write; empty: nowhere
+  CommandObeyer(std::filesystem::path save_folder, CommandActions actions)
+      : save_folder_(std::move(save_folder)), actions_(std::move(actions)) {}
+
+  /// Never throws.
+  command_reply_v1_t Obey(const command_v1_t& command);
+
+ private:
+  command_reply_v1_t SaveMap(const std::string& name) const;
+
+  const std::filesystem::path save_folder_;
+  const CommandActions actions_;
+};
+
+}  // namespace terrace

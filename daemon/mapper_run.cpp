@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/mapper_run.h"
+
+#include <utility>
+
+#include "core/check.h"
+#include "daemon/self_mask.h"
+
+namespace terrace {
+
+MapperRun::MapperRun(const PipelineConfig& config, const StereoCalibration& calibration, Pace pace,
+                     bool single_threaded)
+    : pace_(pace),
+      single_threaded_(single_threaded),
+      pipeline_(
+          config, calibration,
+          LoadSelfMask(config.terrain.robot.self_mask_png, RectifiedSize(calibration, config.rectifier)),
+          pace) {
+  TERRACE_CHECK(pace == Pace::kEveryFrame || !single_threaded);
+}
+
+bool MapperRun::Push(SensorFrame sensors) {
+  handovers_.Add(sensors.pair.t_capture);
+  if (single_threaded_) {
+    sensors.frame_id = next_frame_id_++;
+    TakeFrame(pipeline_.Process(sensors, [this](const PoseEstimate& pose) { TakePose(pose); }));
+    return true;
+  }
+  if (!threads_) {
+    threads_.emplace(
+        &pipeline_, pace_, [this](const PoseEstimate& pose) { TakePose(pose); },
+        [this](FrameResult result) { TakeFrame(std::move(result)); });
+  }
+  return threads_->Push(std::move(sensors));
+}
+
+void MapperRun::Finish(std::int64_t num_lost_before) {
+  if (threads_) threads_->Finish();
+  RunTotals totals;
+  totals.num_dropped = num_lost_before + counts().num_dropped;
+  totals.num_passed_over = counts().num_passed_over;
+  totals.num_lessons_skipped = pipeline_.num_lessons_skipped();
+  totals.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  totals.realtime = pace_ == Pace::kNewest;
+  totals.gravity = pipeline_.gravity();
+  totals.stages = pipeline_.meters().costs();
+  for (const auto& sink : sinks_) sink->Finish(totals);
+}
+
+TerrainMapPtr MapperRun::map() const {
+  const std::lock_guard lock(mutex_);
+  return map_;
+}
+
+void MapperRun::TakePose(const PoseEstimate& pose) {
+  for (const auto& sink : sinks_) sink->AddPose(pose);
+}
+
+void MapperRun::TakeFrame(FrameResult result) {
+  const StageMeasurement measuring(&pipeline_.meters(), StageId::kPublish);
+  if (pace_ == Pace::kNewest) result.latency_ms = handovers_.LatencyMs(result.pose.t_capture);
+  for (const auto& sink : sinks_) sink->AddFrame(result);
+  const std::lock_guard lock(mutex_);
+  map_ = result.change.map;
+}
+
+}  // namespace terrace

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/camera.h"
+#include "core/sensor_frame.h"
+#include "daemon/frame_sink.h"
+#include "daemon/handover_times.h"
+#include "daemon/pipeline.h"
+#include "daemon/threaded_pipeline.h"
+
+namespace terrace {
+
+/// A mapper at work on frames from anywhere: pipeline, threads and sinks. Replay and live differ in where
+/// frames come from, in their pace and in the list of sinks.
+class MapperRun {
+ public:
+  /// @param single_threaded  frames are worked on one after the other inside Push; only at Pace::kEveryFrame
+  MapperRun(const PipelineConfig& config, const StereoCalibration& calibration, Pace pace,
+            bool single_threaded);
+
+  Pipeline& pipeline() { return pipeline_; }
+  /// Before the first frame. Sinks are called in the order in which they were added.
+  template <typename Sink>
+  Sink* Add(std::unique_ptr<Sink> sink) {
+    Sink* const added = sink.get();
+    sinks_.push_back(std::move(sink));
+    return added;
+  }
+
+  /// Hands a frame over. False when a stage has failed: Finish() throws why.
+  bool Push(SensorFrame sensors);
+  /// Waits for what is under way and ends the sinks. Throws what a stage threw.
+  /// @param num_lost_before  frames that were lost before they could be handed over
+  void Finish(std::int64_t num_lost_before);
+
+  /// As the last frame left it; null before the first one. From any thread.
+  TerrainMapPtr map() const;
+  FlowCounts counts() const { return threads_ ? threads_->counts() : FlowCounts{}; }
+
+ private:
+  void TakePose(const PoseEstimate& pose);
+  void TakeFrame(FrameResult result);
+
+  const Pace pace_;
+  const bool single_threaded_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Pipeline pipeline_;
+  std::vector<std::unique_ptr<FrameSink>> sinks_;
+  HandoverTimes handovers_;
+  FrameId next_frame_id_ = 0;  // of a single thread
+  mutable std::mutex mutex_;
+  TerrainMapPtr map_;
+  std::optional<ThreadedPipeline> threads_;  // last: its threads use everything above
+};
+
+}  // namespace terrace

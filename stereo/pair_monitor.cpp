@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/pair_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "core/check.h"
+
+namespace terrace {
+namespace {
+
+constexpr int kRowStep = 8;      // of the rows that are looked at
+constexpr int kPieceWidth = 32;  // of a row
+constexpr int kDisparityStep = 8;
+
+constexpr int kBlack = 4, kWhite = 251;
+/// Grey levels between the darkest and the brightest pixel of a piece that shows nothing. Sensors' noise is
+/// more where there is any light.
+constexpr int kFlat = 2;
+
+constexpr float kAllBlank = 0.9f;
+constexpr float kMuchMoreBlank = 0.25f;
+constexpr float kSomethingToSee = 0.7f;  // less blank than this
+/// Two images of different things have disparities on less than this, a pair on more.
+constexpr float kDifferentKnown = 0.5f;
+constexpr float kRowsOff_px = 0.7f;
+
+/// What the rows of one image say that are looked at.
+struct Glance {
+  float blank_share = 0.0f;
+  float mean = 0.0f;
+  std::uint64_t fingerprint = 0;
+};
+
+/// FNV-1a (Fowler, Noll, Vo), eight bytes at once.
+std::uint64_t Mixed(std::uint64_t hash, const std::uint8_t* bytes, int count) {
+  for (int i = 0; i < count; i += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes + i, static_cast<std::size_t>(std::min(8, count - i)));
+    hash = (hash ^ word) * 0x100000001B3u;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
+Glance LookAt(const cv::Mat1b& image) {
+  Glance glance;
+  std::uint64_t hash = 0xCBF29CE484222325u;
+  std::int64_t sum = 0;
+  int num_pieces = 0, num_blank = 0, num_pixels = 0;
+  for (int v = kRowStep / 2; v < image.rows; v += kRowStep) {
+    const std::uint8_t* row = image[v];
+    hash = Mixed(hash, row, image.cols);
+    for (int begin = 0; begin < image.cols; begin += kPieceWidth) {
+      const int end = std::min(begin + kPieceWidth, image.cols);
+      int least = 255, most = 0, piece_sum = 0;
+      for (int u = begin; u < end; ++u) {
+        const int grey = row[u];
+        least = std::min(least, grey), most = std::max(most, grey);
+        piece_sum += grey;
+      }
+      sum += piece_sum, num_pixels += end - begin;
+      ++num_pieces;
+      num_blank += most - least <= kFlat || most <= kBlack || least >= kWhite;
+    }
+  }
+  glance.blank_share = static_cast<float>(num_blank) / static_cast<float>(std::max(num_pieces, 1));
+  glance.mean = static_cast<float>(sum) / static_cast<float>(std::max(num_pixels, 1));
+  glance.fingerprint = hash == 0 ? 1 : hash;
+  return glance;
+}
+
+/// Counts on when the fingerprint is that of the frame before.
+int Repeated(std::uint64_t fingerprint, std::uint64_t& before, int num_same) {
+  const bool same = fingerprint == before;
+  before = fingerprint;
+  return same ? num_same + 1 : 0;
+}
+
+float KnownShare(const cv::Mat1f& disparity) {
+  int n = 0, num_known = 0;
+  for (int v = kDisparityStep / 2; v < disparity.rows; v += kDisparityStep)
+    for (int u = kDisparityStep / 2; u < disparity.cols; u += kDisparityStep) {
+      ++n;
+      num_known += !std::isnan(disparity(v, u));
+    }
+  return static_cast<float>(num_known) / static_cast<float>(std::max(n, 1));
+}
+
+std::string Sentence(const char* format, double value) {
+  char text[256];
+  std::snprintf(text, sizeof(text), format, value);
+  return text;
+}
+
+}  // namespace
+
+std::string PairHealth::Reason() const {
+  if (left_blank && right_blank) return "both images are blank: no light, or the lenses are covered";
+  if (left_blank)
+    return "the left image is blank: its lens is covered, or its exposure or its cable is wrong";
+  if (right_blank)
+    return "the right image is blank: its lens is covered, or its exposure or its cable is wrong";
+  if (half_blank) {
+    const bool right = right_blank_share > left_blank_share;
+    return Sentence(
+        right
+            ? "%.0f %% more of the right image than of the left one is blank: something covers it, or it is "
+              "transferred in part"
+            : "%.0f %% more of the left image than of the right one is blank: something covers it, or it is "
+              "transferred in part",
+        100.0 * std::abs(right_blank_share - left_blank_share));
+  }
+  if (different)
+    return "the two images do not show the same: not of one moment, swapped, not rectified, or one of "
+           "another camera";
+  if (rows_off)
+    return Sentence("the rows of the right image are off by %.1f px: calibrate the pair again",
+                    std::abs(row_offsets.centre_px));
+  return "";
+}
+
+PairHealth PairMonitor::Check(const StereoFrame& frame, const DisparityImage& disparity) {
+  TERRACE_CHECK(disparity.disparity_px.size() == frame.left.size(), disparity.disparity_px.cols,
+                frame.left.cols);
+  const Glance left = LookAt(frame.left), right = LookAt(frame.right);
+  num_same_left_ = Repeated(left.fingerprint, left_fingerprint_, num_same_left_);
+  num_same_right_ = Repeated(right.fingerprint, right_fingerprint_, num_same_right_);
+
+  PairHealth health;
+  health.left_blank_share = left.blank_share;
+  health.right_blank_share = right.blank_share;
+  health.brightness_ratio = std::max(right.mean, 1.0f) / std::max(left.mean, 1.0f);
+  health.num_same_left = num_same_left_;
+  health.num_same_right = num_same_right_;
+  health.row_offsets = disparity.row_offsets;
+  health.known_share = KnownShare(disparity.disparity_px);
+  health.no_match_share = disparity.no_match_share;
+  health.limit_share = disparity.limit_share;
+
+  health.left_blank = left.blank_share > kAllBlank;
+  health.right_blank = right.blank_share > kAllBlank;
+  health.half_blank = std::abs(left.blank_share - right.blank_share) > kMuchMoreBlank;
+  const bool both_show = std::max(left.blank_share, right.blank_share) < kSomethingToSee;
+  health.different = both_show && health.row_offsets.num_places == 0 && health.known_share < kDifferentKnown;
+  health.rows_off =
+      health.row_offsets.num_places > 0 && health.row_offsets.Rms(frame.left.size()) > kRowsOff_px;
+  return health;
+}
+
+}  // namespace terrace

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "stereo/disparity_image.h"
+#include "stereo/row_offsets.h"
+#include "stereo/stereo_frame.h"
+
+namespace terrace {
+
+/// What one frame says of the health of a pair of cameras.
+struct PairHealth {
+  /// Shares of the image in which nothing is to be seen: white, black, or without any change of brightness.
+  float left_blank_share = 0.0f, right_blank_share = 0.0f;
+  /// Mean brightness of the right image against the left one's.
+  float brightness_ratio = 1.0f;
+  /// How many frames in a row have shown bit by bit what the one before showed. Cameras never do while they
+  /// work, as their noise changes; recordings of one pair that is repeated do.
+  int num_same_left = 0, num_same_right = 0;
+  /// By how many rows the right image is off. `num_places` is 0 where the two have too little in common to
+  /// tell.
+  RowOffsets row_offsets;
+  /// Of the pixels that were matched, those with a disparity.
+  float known_share = 0.0f;
+  /// As in DisparityImage.
+  float no_match_share = 0.0f, limit_share = 0.0f;
+
+  bool left_blank = false, right_blank = false;  ///< nearly all of it
+  bool half_blank = false;                       ///< much more of the one image than of the other
+  bool different = false;                        ///< both show something, but not the same
+  bool rows_off = false;                         ///< so much that the rig should be calibrated again
+
+  /// Nothing that this frame shows should enter the map.
+  bool stops_mapping() const { return left_blank || right_blank || half_blank || different; }
+  /// The gravest finding in a sentence, with what to do; empty when there is none.
+  std::string Reason() const;
+};
+
+/// Looks at every pair whether its two images can be what a pair of cameras sees. Cheap: of the images it
+/// looks at every eighth row, the rest the matcher has found anyway.
+class PairMonitor {
+ public:
+  /// @param disparity  of that frame
+  PairHealth Check(const StereoFrame& frame, const DisparityImage& disparity);
+
+ private:
+  /// Of the frame before; 0: there was none.
+  std::uint64_t left_fingerprint_ = 0, right_fingerprint_ = 0;
+  int num_same_left_ = 0, num_same_right_ = 0;
+};
+
+}  // namespace terrace

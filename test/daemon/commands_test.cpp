@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands.h"
+
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "test/datasets/temporary_folder.h"
+
+namespace terrace {
+namespace {
+
+using ::testing::HasSubstr;
+
+command_v1_t Command(std::int8_t command, std::string argument = "") {
+  command_v1_t message{};
+  message.command = command;
+  message.argument = std::move(argument);
+  return message;
+}
+
+class CommandObeyerTest : public ::testing::Test {
+ protected:
+  CommandActions Actions() {
+    return {[this] { ++num_resets_; }, [this](bool paused) { paused_ = paused; },
+            [this] { return map_ != nullptr; }, [this] { return map_; }};
+  }
+
+  TemporaryFolder folder_;
+  TerrainMapPtr map_ = std::make_shared<const TerrainMap>();
+  int num_resets_ = 0;
+  bool paused_ = false;
+  CommandObeyer obeyer_{folder_.path(), Actions()};
+};
+
+TEST_F(CommandObeyerTest, ResetsPausesAndResumes) {
+  EXPECT_EQ(obeyer_.Obey(Command(command_v1_t::RESET_MAP)).result, command_reply_v1_t::OK);
+  EXPECT_EQ(num_resets_, 1);
+  EXPECT_EQ(obeyer_.Obey(Command(command_v1_t::PAUSE)).result, command_reply_v1_t::OK);
+  EXPECT_TRUE(paused_);
+  EXPECT_EQ(obeyer_.Obey(Command(command_v1_t::RESUME)).result, command_reply_v1_t::OK);
+  EXPECT_FALSE(paused_);
+  EXPECT_EQ(obeyer_.Obey(Command(99)).result, command_reply_v1_t::REFUSED);
+}
+
+TEST_F(CommandObeyerTest, SavesTheMapWholeUnderItsName) {
+  const command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::SAVE_MAP, "hall.json"));
+  EXPECT_EQ(reply.result, command_reply_v1_t::OK) << reply.message;
+  std::ifstream file(folder_.path() / "hall.json");
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("\"terrace-map\""));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "hall.json.partial"));
+}
+
+TEST_F(CommandObeyerTest, RefusesNamesThatLeadElsewhereOrOntoResultsOfTheRun) {
+  for (const char* name : {"", ".", "..", "../hall.json", "/hall.json", "terrain_map.json", "frames.jsonl"}) {
+    const command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::SAVE_MAP, name));
+    EXPECT_EQ(reply.result, command_reply_v1_t::REFUSED) << name;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST_F(CommandObeyerTest, WritesIntoNoPipeThatWouldHangIt) {
+  ASSERT_EQ(mkfifo((folder_.path() / "pipe").c_str(), 0600), 0);
+  const command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::SAVE_MAP, "pipe"));
+  EXPECT_EQ(reply.result, command_reply_v1_t::REFUSED);
+  EXPECT_THAT(reply.message, HasSubstr("no file"));
+}
+
+TEST_F(CommandObeyerTest, SaysWhenThereIsNoMapOrNoFolder) {
+  map_ = nullptr;
+  EXPECT_THAT(obeyer_.Obey(Command(command_v1_t::SAVE_MAP, "hall.json")).message, HasSubstr("no map yet"));
+  EXPECT_EQ(obeyer_.Obey(Command(command_v1_t::SEND_SNAPSHOT)).result, command_reply_v1_t::REFUSED);
+  CommandObeyer nowhere("", Actions());
+  EXPECT_THAT(nowhere.Obey(Command(command_v1_t::SAVE_MAP, "hall.json")).message,
+              HasSubstr("lcm.save_folder"));
+}
+
+}  // namespace
+}  // namespace terrace

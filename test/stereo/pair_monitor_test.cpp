@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/pair_monitor.h"
+
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stereo/disparity_matcher.h"
+#include "test/stereo/textured_pair.h"
+
+namespace terrace {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kWidth = 480, kHeight = 360;
+const SlantedPlane kFloor{10.0, 0.005, 0.05};
+
+StereoFrame Healthy(unsigned seed = 1) { return RenderPlane(kWidth, kHeight, kFloor, {.noise = 1.5}, seed); }
+
+PairHealth CheckOnce(const StereoFrame& frame) {
+  DisparityConfig config;
+  config.max_disparity_px = 64;
+  return PairMonitor().Check(frame, DisparityMatcher(config).Match(frame));
+}
+
+/// An image of one brightness, with a little noise.
+cv::Mat1b Covered(double brightness) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.4);
+  cv::Mat1b image(kHeight, kWidth);
+  for (std::uint8_t& pixel : image) pixel = cv::saturate_cast<std::uint8_t>(brightness + noise(random));
+  return image;
+}
+
+TEST(PairMonitorTest, FindsNothingWrongWithAHealthyPair) {
+  const PairHealth health = CheckOnce(Healthy());
+  EXPECT_FALSE(health.stops_mapping());
+  EXPECT_EQ(health.Reason(), "");
+  EXPECT_NEAR(health.brightness_ratio, 1.0, 0.05);
+  EXPECT_GT(health.known_share, 0.8);
+  EXPECT_LT(health.limit_share, 0.01);
+}
+
+TEST(PairMonitorTest, TellsABlankImageWhetherBlackWhiteOrCovered) {
+  for (const double brightness : {0.0, 2.0, 255.0}) {
+    StereoFrame frame = Healthy();
+    frame.right = Covered(brightness);
+    const PairHealth right = CheckOnce(frame);
+    EXPECT_TRUE(right.right_blank && !right.left_blank && right.stops_mapping()) << brightness;
+    EXPECT_THAT(right.Reason(), HasSubstr("right image is blank"));
+    EXPECT_LT(right.known_share, 0.05) << brightness;  // what the matcher makes of it
+    std::swap(frame.left, frame.right);
+    EXPECT_THAT(CheckOnce(frame).Reason(), HasSubstr("left image is blank")) << brightness;
+    frame.right = frame.left.clone();
+    EXPECT_THAT(CheckOnce(frame).Reason(), HasSubstr("both images are blank")) << brightness;
+  }
+}
+
+TEST(PairMonitorTest, TellsAHalfBlankImage) {
+  StereoFrame frame = Healthy();
+  frame.right(cv::Rect(0, 0, kWidth / 2, kHeight)).setTo(255);
+  const PairHealth health = CheckOnce(frame);
+  EXPECT_TRUE(health.half_blank && health.stops_mapping());
+  EXPECT_THAT(health.Reason(), HasSubstr("of the right image"));
+  EXPECT_NEAR(health.right_blank_share, 0.5, 0.05);
+}
+
+TEST(PairMonitorTest, TellsTwoImagesOfDifferentThings) {
+  StereoFrame frame = Healthy();
+  frame.right = Healthy(2).right;
+  const PairHealth health = CheckOnce(frame);
+  EXPECT_TRUE(health.different && health.stops_mapping());
+  EXPECT_THAT(health.Reason(), HasSubstr("do not show the same"));
+  EXPECT_LT(health.known_share, 0.1);
+}
+
+TEST(PairMonitorTest, MeasuresRowsThatAreOffAndRolled) {
+  StereoFrame frame = Healthy();
+  // Straightening what is straight moves it by as much the other way.
+  StraightenRows(Healthy().right, {.centre_px = -3.2f, .per_column = 0.007f}, frame.right);
+  const PairHealth health = CheckOnce(frame);
+  EXPECT_NEAR(health.row_offsets.centre_px, 3.2, 0.1);
+  EXPECT_NEAR(health.row_offsets.per_column, -0.007, 0.001);  // 0.4 deg
+  EXPECT_TRUE(health.rows_off);
+  EXPECT_FALSE(health.stops_mapping());  // the matcher takes it out
+  EXPECT_THAT(health.Reason(), HasSubstr("off by 3."));
+}
+
+TEST(PairMonitorTest, MeasuresBrightness) {
+  StereoFrame frame = Healthy();
+  frame.right.convertTo(frame.right, CV_8U, 0.5);
+  const PairHealth health = CheckOnce(frame);
+  EXPECT_NEAR(health.brightness_ratio, 0.5, 0.03);
+  EXPECT_FALSE(health.stops_mapping());
+}
+
+TEST(PairMonitorTest, CountsFramesThatShowTheSameBits) {
+  DisparityMatcher matcher({.max_disparity_px = 64});
+  PairMonitor monitor;
+  const StereoFrame first = Healthy(1), second = Healthy(2);
+  EXPECT_EQ(monitor.Check(first, matcher.Match(first)).num_same_left, 0);
+  EXPECT_EQ(monitor.Check(first, matcher.Match(first)).num_same_left, 1);
+  StereoFrame frozen_right = second;
+  frozen_right.right = first.right;
+  const PairHealth health = monitor.Check(frozen_right, matcher.Match(frozen_right));
+  EXPECT_EQ(health.num_same_left, 0);
+  EXPECT_EQ(health.num_same_right, 2);
+  EXPECT_EQ(monitor.Check(second, matcher.Match(second)).num_same_right, 0);
+}
+
+TEST(PairMonitorTest, TellsWhatIsNearerThanTheSearchGoes) {
+  const StereoFrame frame = RenderPlane(kWidth, kHeight, {90.0});
+  const PairHealth health = CheckOnce(frame);
+  EXPECT_LT(health.known_share, 0.1);
+  EXPECT_GT(health.no_match_share + health.limit_share, 0.1);
+}
+
+}  // namespace
+}  // namespace terrace
