@@ -61,8 +61,9 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
     evidence.chi2_z += std::pow(z / (e.riser ? kFaceHeightSigma : kTreadHeightSigma), 2);
     ++evidence.num_z;
     if (e.riser) {
-      // What is hidden makes a face lower, a strip of a neighbour makes it higher.
-      if (std::abs(e.heights.length() - stride.rise) < 0.3 * stride.rise) whole_faces.insert(k);
+      // The step in front hides a part of a face from below, a strip of a neighbour makes it higher.
+      const double share = e.heights.length() / stride.rise;
+      if (share > 0.55 && share < 1.3) whole_faces.insert(k);
       evidence.chi2_along += std::pow(along / kFacePlaceSigma, 2);
       ++evidence.num_along;
     }
@@ -140,8 +141,11 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config, const F
   const bool grounded = num_ends > 0 || std::abs(found.model.foot_z - sight.ground_z) < 1.2 * stride.rise;
   const bool free = StandsFree(found.model, ends.num_risers(), sight);
   const bool enough_pieces = num_pieces >= 4 && seen >= 0.45;
+  // The ground in front of the first step is missed only where it could be seen.
+  const Eigen::Vector2d foot = found.model.EdgePoint(1.0, found.model.lateral.middle());
+  const int min_pieces = sight.InView({foot.x(), foot.y(), found.model.foot_z}) ? 3 : 2;
   const bool few_that_agree =
-      num_pieces >= 3 && grounded && !free && seen >= 0.45 && num_agreements == (any_riser ? 2 : 1);
+      num_pieces >= min_pieces && grounded && !free && seen >= 0.45 && num_agreements == (any_riser ? 2 : 1);
   const bool stays = known && num_pieces >= 3 && seen >= 0.3;
   if (!stays && !enough_pieces && !few_that_agree) return std::nullopt;
   // Two boxes make two risers as well: then floor, landing and all that lies between must be there.
