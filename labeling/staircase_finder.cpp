@@ -22,7 +22,7 @@ std::optional<FoundStaircase> Complete(const StaircaseConfig& config,
   const FlightEnds ends = FindFlightEnds(config, shapes, *flight, sight.ground_z);
   const int last_tread = ends.first_step + ends.num_treads() - 1;
   RefineWithin(config, ends.first_step, ends.last_step, last_tread, *flight);
-  return WeighFlight(config, *flight, ends, sight, known);
+  return WeighFlight(config, shapes, *flight, ends, sight, known);
 }
 
 }  // namespace
