@@ -14,6 +14,8 @@ namespace {
 
 /// A floor or a landing reaches further than this many treads.
 constexpr double kLongerThanTread = 1.35;
+/// A low robot sees little of the floor before it, and no tread that could be taken for it.
+constexpr double kFloorInTreads = 1.15;
 
 /// A support at a height that the flight's law knows.
 struct LevelBeside {
@@ -98,7 +100,7 @@ void KeepLongestRun(std::vector<StepFit>& fits) {
 }
 
 FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,
-                          const Flight& flight) {
+                          const Flight& flight, double ground_z) {
   const Stride& stride = flight.stride;
   int lowest = std::numeric_limits<int>::max();
   int highest = std::numeric_limits<int>::min();
@@ -118,19 +120,20 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
   const double slack = 2.0 * config.edge_tolerance_m;
   const double long_enough = kLongerThanTread * stride.run;
   for (const auto& [along, level, shape] : LevelsBeside(config, shapes, flight)) {
-    if (along.length() <= long_enough) continue;
+    const bool at_feet = std::abs(stride.z0 + level * stride.rise - ground_z) < 0.3 * stride.rise;
+    if (!at_feet && along.length() <= kFloorInTreads * stride.run) continue;
     const double edge = stride.EdgeAt(level);  // riser below this level
     // A landing begins at the riser below its level, a floor ends at the riser above it.
     const double before = along.low - edge;
     const double behind = edge + stride.run - along.high;
     if (level >= highest - 1 && level <= highest + 1 && before > -slack && before < stride.run &&
-        along.high > edge + long_enough && std::abs(before) < head_gap) {
+        along.length() > long_enough && along.high > edge + long_enough && std::abs(before) < head_gap) {
       head_gap = std::abs(before);
       head_level = level;
       ends.head_shape = shape;
     }
     if (level < lowest + 1 && level >= lowest - 4 && behind > -slack && behind < 4.0 * stride.run &&
-        along.low < edge - 0.35 * stride.run && std::abs(behind) < foot_gap) {
+        (at_feet || along.low < edge - 0.1 * stride.run) && std::abs(behind) < foot_gap) {
       foot_gap = std::abs(behind);
       foot_level = level;
       ends.foot_shape = shape;

@@ -24,7 +24,8 @@ struct FlightEnds {
 void KeepLongestRun(std::vector<StepFit>& fits);
 
 /// The floor at the foot and the landing at the head of a flight that has fits.
+/// @param ground_z  of the ground that the robot stands on: a level piece so high is floor, however small
 FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,
-                          const Flight& flight);
+                          const Flight& flight, double ground_z);
 
 }  // namespace terrace

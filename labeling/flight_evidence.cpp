@@ -61,8 +61,9 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
     evidence.chi2_z += std::pow(z / (e.riser ? kFaceHeightSigma : kTreadHeightSigma), 2);
     ++evidence.num_z;
     if (e.riser) {
-      // What is hidden makes a face lower, a strip of a neighbour makes it higher.
-      if (std::abs(e.heights.length() - stride.rise) < 0.3 * stride.rise) whole_faces.insert(k);
+      // The step in front hides a part of a face from below, a strip of a neighbour makes it higher.
+      const double share = e.heights.length() / stride.rise;
+      if (share > 0.55 && share < 1.3) whole_faces.insert(k);
       evidence.chi2_along += std::pow(along / kFacePlaceSigma, 2);
       ++evidence.num_along;
     }
@@ -112,9 +113,20 @@ double SlopeSigma(double sigma_m, double chi2, int num, double num_levels) {
   return sigma_m * std::sqrt(std::max(1.0, scatter2) / std::max(0.5, spread2));
 }
 
+/// True when most members are seen so well that what they say of a step can be relied on: noise moves them by
+/// less than a sixteenth of the rise.
+bool SeenSharply(const std::vector<StepMember>& members, const std::vector<RegionShapePtr>& shapes,
+                 double rise_m) {
+  const auto num_sharp = std::count_if(members.begin(), members.end(), [&](const StepMember& member) {
+    return shapes[member.shape]->polygon->noise_m <= rise_m / 16.0;
+  });
+  return 2 * num_sharp > static_cast<std::ptrdiff_t>(members.size());
+}
+
 }  // namespace
 
-std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config, const Flight& flight,
+std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
+                                          const std::vector<RegionShapePtr>& shapes, const Flight& flight,
                                           const FlightEnds& ends, const Sight& sight, bool known) {
   const Stride& stride = flight.stride;
   if (ends.num_risers() < 2 || ends.num_treads() < 1) return std::nullopt;
@@ -128,8 +140,11 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config, const F
   found.model.rise_m = stride.rise;
   found.model.run_m = stride.run;
   found.model.foot_z = stride.z0 + (ends.first_step - 1) * stride.rise;
-  const double seen =
-      static_cast<double>(num_steps) / StepsToBeSeen(found.model, ends, sight, evidence.seen).size();
+  // From afar all steps are missed that are not seen: what hides and what blurs cannot be told apart.
+  const bool sharp = SeenSharply(evidence.members, shapes, stride.rise);
+  const std::size_t num_to_see = sharp ? StepsToBeSeen(found.model, ends, sight, evidence.seen).size()
+                                       : static_cast<std::size_t>(ends.num_risers() + ends.num_treads());
+  const double seen = static_cast<double>(num_steps) / static_cast<double>(num_to_see);
 
   const int num_ends = (ends.foot_shape ? 1 : 0) + (ends.head_shape ? 1 : 0);
   const int num_pieces = num_steps + num_ends;
@@ -140,8 +155,11 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config, const F
   const bool grounded = num_ends > 0 || std::abs(found.model.foot_z - sight.ground_z) < 1.2 * stride.rise;
   const bool free = StandsFree(found.model, ends.num_risers(), sight);
   const bool enough_pieces = num_pieces >= 4 && seen >= 0.45;
-  const bool few_that_agree =
-      num_pieces >= 3 && grounded && !free && seen >= 0.45 && num_agreements == (any_riser ? 2 : 1);
+  // The ground in front of the first step is missed only where it could be seen.
+  const Eigen::Vector2d foot = found.model.EdgePoint(1.0, found.model.lateral.middle());
+  const int min_pieces = sight.InView({foot.x(), foot.y(), found.model.foot_z}) ? 3 : 2;
+  const bool few_that_agree = sharp && num_pieces >= min_pieces && grounded && !free && seen >= 0.45 &&
+                              num_agreements == (any_riser ? 2 : 1);
   const bool stays = known && num_pieces >= 3 && seen >= 0.3;
   if (!stays && !enough_pieces && !few_that_agree) return std::nullopt;
   // Two boxes make two risers as well: then floor, landing and all that lies between must be there.
@@ -157,7 +175,8 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config, const F
   found.rise_sigma_m = SlopeSigma(kTreadHeightSigma, evidence.chi2_z, evidence.num_z, levels);
   found.run_sigma_m = any_riser ? SlopeSigma(kFacePlaceSigma, evidence.chi2_along, evidence.num_along, levels)
                                 : SlopeSigma(kTreadFrontSigma, 0.0, 2, levels);
-  const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreements - 1.0));
+  const int num_agreeing = sharp ? num_agreements : 0;
+  const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreeing - 1.0));
   const double scatter2 = evidence.chi2_z / evidence.num_z * std::pow(kTreadHeightSigma, 2);
   const double good = std::exp(-0.25 * scatter2 / std::pow(config.HeightTolerance(stride.rise), 2));
   found.confidence = std::clamp(enough * good * (0.6 + 0.4 * seen), 0.0, 1.0);

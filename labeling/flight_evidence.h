@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "labeling/flight.h"
 #include "labeling/flight_ends.h"
@@ -14,7 +15,8 @@ namespace terrace {
 /// be chosen so that almost any three shapes obey: floor and landing in their places, faces that reach from
 /// one step to the next and sides that agree are evidence as well. What the camera cannot see is not missed.
 /// @param known  it was found before: then it needs less support to stay
-std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config, const Flight& flight,
+std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
+                                          const std::vector<RegionShapePtr>& shapes, const Flight& flight,
                                           const FlightEnds& ends, const Sight& sight, bool known);
 
 }  // namespace terrace

@@ -19,10 +19,10 @@ std::optional<FoundStaircase> Complete(const StaircaseConfig& config,
   if (!flight) return std::nullopt;
   KeepLongestRun(flight->fits);
   if (flight->fits.empty()) return std::nullopt;
-  const FlightEnds ends = FindFlightEnds(config, shapes, *flight);
+  const FlightEnds ends = FindFlightEnds(config, shapes, *flight, sight.ground_z);
   const int last_tread = ends.first_step + ends.num_treads() - 1;
   RefineWithin(config, ends.first_step, ends.last_step, last_tread, *flight);
-  return WeighFlight(config, *flight, ends, sight, known);
+  return WeighFlight(config, shapes, *flight, ends, sight, known);
 }
 
 }  // namespace
