@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <map>
 #include <random>
 #include <stdexcept>
 
@@ -81,11 +82,27 @@ void ForEach(const Edit& edit, std::vector<StereoFrame>& frames) {
   }
 }
 
+using EditImu = std::function<void(ImuSample& sample)>;
+
+/// What an IMU does that is configured or wired otherwise than was told.
+const std::map<std::string, EditImu>& ImuFaults() {
+  static const std::map<std::string, EditImu> faults{
+      {"imu_in_g", [](ImuSample& sample) { sample.accel /= 9.81; }},
+      {"imu_turned", [](ImuSample& sample) { sample.accel *= -1.0; }},
+      {"imu_silent", [](ImuSample& sample) { sample.accel.setZero(); }},
+      {"imu_in_degrees", [](ImuSample& sample) { sample.gyro *= 180.0 / M_PI; }},
+      {"imu_other_clock", [](ImuSample& sample) { sample.t.ns /= 1000; }},
+  };
+  return faults;
+}
+
 }  // namespace
 
 const std::vector<std::string>& DamageNames() {
-  static const std::vector<std::string> names{"burst1",  "burst3", "burst10", "blur30",  "black10",
-                                              "gain0.3", "gain3",  "half",    "right10", "box"};
+  static const std::vector<std::string> names{
+      "burst1",         "burst3",         "burst10", "blur30",    "black10",  "gain0.3",    "gain3",
+      "half",           "right10",        "box",     "imu_spike", "imu_in_g", "imu_turned", "imu_silent",
+      "imu_in_degrees", "imu_other_clock"};
   return names;
 }
 
@@ -155,6 +172,19 @@ void ApplyDamage(const std::string& name, std::vector<StereoFrame>& frames,
           if (InMiddle(i)) frame.right.setTo(3);
         },
         frames);
+  } else if (name == "black40") {
+    ForEach(
+        [&](std::size_t i, StereoFrame& frame) {
+          if (i < middle || i >= middle + 40) return;
+          frame.left.setTo(3);
+          frame.right.setTo(3);
+        },
+        frames);
+  } else if (name == "imu_spike") {
+    if (!samples[middle].imu.empty()) samples[middle].imu.back().accel.x() = 1e6;
+  } else if (const auto fault = ImuFaults().find(name); fault != ImuFaults().end()) {
+    for (SensorSamples& of_frame : samples)
+      for (ImuSample& sample : of_frame.imu) fault->second(sample);
   } else if (name == "box") {
     ForEach(
         [&](std::size_t i, StereoFrame& frame) {
