@@ -10,7 +10,7 @@
 namespace terrace {
 namespace {
 
-const StereoCamera kCamera{200, 200, 200.0, 200.0, 99.5, 99.5, 0.1};
+const StereoCamera kYardstickCamera{200, 200, 200.0, 200.0, 99.5, 99.5, 0.1};
 
 /// Looks straight down from `height_m` above the origin: x right, y up in the image.
 Eigen::Isometry3d LookingDown(double height_m) {
@@ -23,14 +23,15 @@ Eigen::Isometry3d LookingDown(double height_m) {
 /// What that camera sees of ground whose height is a function of the place.
 template <typename Height>
 FloatImage Seen(double camera_m, Height height) {
-  FloatImage image(kCamera.width, kCamera.height);
+  FloatImage image(kYardstickCamera.width, kYardstickCamera.height);
   for (int v = 0; v < image.height; ++v) {
     for (int u = 0; u < image.width; ++u) {
-      const double x = (u - kCamera.cx) / kCamera.fx, y = -(v - kCamera.cy) / kCamera.fy;
+      const double x = (u - kYardstickCamera.cx) / kYardstickCamera.fx,
+                   y = -(v - kYardstickCamera.cy) / kYardstickCamera.fy;
       double depth = camera_m;
       // The ray meets the ground where its height is what is left of the camera's.
       for (int i = 0; i < 20; ++i) depth = camera_m - height(depth * x, depth * y);
-      image.At(u, v) = static_cast<float>(kCamera.Disparity(depth));
+      image.At(u, v) = static_cast<float>(kYardstickCamera.Disparity(depth));
     }
   }
   return image;
@@ -39,7 +40,7 @@ FloatImage Seen(double camera_m, Height height) {
 TEST(ElevationMapTest, FusesALevelFloorAndOffersAllOfIt) {
   ElevationMap map;
   for (int frame = 0; frame < 3; ++frame)
-    map.Add(Seen(1.0, [](double, double) { return 0.2; }), kCamera, LookingDown(1.0));
+    map.Add(Seen(1.0, [](double, double) { return 0.2; }), kYardstickCamera, LookingDown(1.0));
   map.FindFootholds();
   EXPECT_NEAR(map.HeightAt({0.1, 0.1}).value(), 0.2, 1e-4);
   EXPECT_FALSE(map.HeightAt({2.0, 0.0}));
@@ -57,7 +58,7 @@ TEST(ElevationMapTest, FusesALevelFloorAndOffersAllOfIt) {
 TEST(ElevationMapTest, FollowsASlopeThatCanBeWalkedAndNoneThatIsSteeper) {
   for (const double slope : {0.3, 0.7}) {
     ElevationMap map;
-    map.Add(Seen(1.0, [&](double x, double) { return slope * x; }), kCamera, LookingDown(1.0));
+    map.Add(Seen(1.0, [&](double x, double) { return slope * x; }), kYardstickCamera, LookingDown(1.0));
     map.FindFootholds();
     EXPECT_EQ(map.OfferAt({0.11, 0.11, slope * 0.11}, 0.005), slope < 0.5) << slope;
   }
@@ -65,7 +66,8 @@ TEST(ElevationMapTest, FollowsASlopeThatCanBeWalkedAndNoneThatIsSteeper) {
 
 TEST(ElevationMapTest, OffersNothingWithinACellOfAStep) {
   ElevationMap map;
-  map.Add(Seen(1.0, [](double x, double) { return x > 0.1 ? 0.1 : 0.0; }), kCamera, LookingDown(1.0));
+  map.Add(Seen(1.0, [](double x, double) { return x > 0.1 ? 0.1 : 0.0; }), kYardstickCamera,
+          LookingDown(1.0));
   map.FindFootholds();
   EXPECT_TRUE(map.OfferAt({0.05, 0.0, 0.0}, 0.01));
   EXPECT_FALSE(map.OfferAt({0.09, 0.0, 0.0}, 0.01));
@@ -76,8 +78,8 @@ TEST(ElevationMapTest, OffersNothingWithinACellOfAStep) {
 TEST(ElevationMapTest, IsNotMovedByASingleFalseHeight) {
   ElevationMap map;
   const auto floor = Seen(1.0, [](double, double) { return 0.0; });
-  for (int frame = 0; frame < 3; ++frame) map.Add(floor, kCamera, LookingDown(1.0));
-  map.Add(Seen(1.0, [](double, double) { return 0.3; }), kCamera, LookingDown(1.0));
+  for (int frame = 0; frame < 3; ++frame) map.Add(floor, kYardstickCamera, LookingDown(1.0));
+  map.Add(Seen(1.0, [](double, double) { return 0.3; }), kYardstickCamera, LookingDown(1.0));
   EXPECT_NEAR(map.HeightAt({0.1, 0.1}).value(), 0.0, 1e-4);
 }
 
@@ -86,7 +88,7 @@ TEST(ElevationMapTest, IsJudgedLikeRegions) {
   truth.polygons.push_back(
       Rectangle(1, "walkway", {-0.2, -0.2, 0}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), 10, 10));
   ElevationMap map;
-  map.Add(Seen(1.0, [](double, double) { return 0.0; }), kCamera, LookingDown(1.0));
+  map.Add(Seen(1.0, [](double, double) { return 0.0; }), kYardstickCamera, LookingDown(1.0));
   map.FindFootholds();
   const FeetEvaluation feet = EvaluateFootholds(map, truth, {{1, truth.polygons[0].observed}});
   EXPECT_NEAR(*feet.offered_pct(), 100.0, 1e-9);

@@ -14,10 +14,12 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int kWidth = 480, kHeight = 360;
+constexpr int kPairWidth = 480, kPairHeight = 360;
 const SlantedPlane kFloor{10.0, 0.005, 0.05};
 
-StereoFrame Healthy(unsigned seed = 1) { return RenderPlane(kWidth, kHeight, kFloor, {.noise = 1.5}, seed); }
+StereoFrame Healthy(unsigned seed = 1) {
+  return RenderPlane(kPairWidth, kPairHeight, kFloor, {.noise = 1.5}, seed);
+}
 
 PairHealth CheckOnce(const StereoFrame& frame) {
   DisparityConfig config;
@@ -29,7 +31,7 @@ PairHealth CheckOnce(const StereoFrame& frame) {
 cv::Mat1b Covered(double brightness) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 0.4);
-  cv::Mat1b image(kHeight, kWidth);
+  cv::Mat1b image(kPairHeight, kPairWidth);
   for (std::uint8_t& pixel : image) pixel = cv::saturate_cast<std::uint8_t>(brightness + noise(random));
   return image;
 }
@@ -60,7 +62,7 @@ TEST(PairMonitorTest, TellsABlankImageWhetherBlackWhiteOrCovered) {
 
 TEST(PairMonitorTest, TellsAHalfBlankImage) {
   StereoFrame frame = Healthy();
-  frame.right(cv::Rect(0, 0, kWidth / 2, kHeight)).setTo(255);
+  frame.right(cv::Rect(0, 0, kPairWidth / 2, kPairHeight)).setTo(255);
   const PairHealth health = CheckOnce(frame);
   EXPECT_TRUE(health.half_blank && health.stops_mapping());
   EXPECT_THAT(health.Reason(), HasSubstr("of the right image"));
@@ -111,7 +113,7 @@ TEST(PairMonitorTest, CountsFramesThatShowTheSameBits) {
 }
 
 TEST(PairMonitorTest, TellsWhatIsNearerThanTheSearchGoes) {
-  const StereoFrame frame = RenderPlane(kWidth, kHeight, {90.0});
+  const StereoFrame frame = RenderPlane(kPairWidth, kPairHeight, {90.0});
   const PairHealth health = CheckOnce(frame);
   EXPECT_LT(health.known_share, 0.1);
   EXPECT_GT(health.no_match_share + health.limit_share, 0.1);
