@@ -19,8 +19,10 @@
 namespace terrace {
 namespace {
 
-/// A surface is traced after one frame more for every so many cells of it, but at the latest after so many
-/// frames: tracing costs as much as the surface is large, while its plane follows every frame.
+/// A surface is traced again after so many frames at the earliest, one more for every so many cells of it,
+/// and at the latest after so many: tracing costs as much as the surface is large, while its plane follows
+/// every frame.
+constexpr FrameId kLeastPatience = 3;
 constexpr FrameId kCellsPerFrame = 8;
 constexpr FrameId kMostPatience = 10;
 /// So many cells of evidence that came or went are worth tracing a surface anew; more where it is large.
@@ -29,8 +31,8 @@ constexpr int kFlippedPerCell = 8;
 
 bool MayWait(const Surface& surface, FrameId frame_id) {
   if (surface.trace_now || surface.cells.empty()) return false;
-  const FrameId patience =
-      std::min<FrameId>(kMostPatience, static_cast<FrameId>(surface.cells.size()) / kCellsPerFrame);
+  const FrameId patience = std::min<FrameId>(
+      kMostPatience, kLeastPatience + static_cast<FrameId>(surface.cells.size()) / kCellsPerFrame);
   return frame_id - surface.traced_frame < patience;
 }
 

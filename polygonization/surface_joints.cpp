@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -53,6 +54,23 @@ std::optional<JointLine> LineOf(const PlaneFrame& frame, const Plane& other) {
   return line;
 }
 
+/// The stretch of a line that passes through a box; none where it passes by.
+std::optional<std::pair<double, double>> Within(const JointLine& line, const Eigen::AlignedBox2d& box) {
+  double from = -std::numeric_limits<double>::infinity(), to = -from;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double low = box.min()[axis] - line.point[axis], high = box.max()[axis] - line.point[axis];
+    const double along = line.along[axis];
+    if (std::abs(along) < 1e-9) {
+      if (low > 0.0 || high < 0.0) return std::nullopt;
+      continue;
+    }
+    from = std::max(from, std::min(low / along, high / along));
+    to = std::min(to, std::max(low / along, high / along));
+  }
+  if (from > to) return std::nullopt;
+  return std::pair(from, to);
+}
+
 /// One surface cut by one other.
 class Joint {
  public:
@@ -92,6 +110,12 @@ class Joint {
  private:
   /// On which sides of the line this surface goes on at one point of it.
   Keep Decide(const Eigen::Vector2d& at) const {
+    int front = 0, behind = 0;
+    for (const double d : kProbes_m) {
+      front += bitmap_.OnAt(at + scale_ * d * line_.to_front);
+      behind += bitmap_.OnAt(at - scale_ * d * line_.to_front);
+    }
+    if (front + behind == 0) return Keep::kNothing;
     const Eigen::Vector2d on_other = other_frame_.ToPlane(frame_.ToWorld(at));
     bool above = false, below = false;  // the other surface, seen from this one
     for (const double d : kBeside_m) {
@@ -99,12 +123,6 @@ class Joint {
       below = below || other_.evidence.At(on_other - d * up_other_) >= EvidenceGrid::kOn;
     }
     if (!above && !below) return Keep::kNothing;
-    int front = 0, behind = 0;
-    for (const double d : kProbes_m) {
-      front += bitmap_.OnAt(at + scale_ * d * line_.to_front);
-      behind += bitmap_.OnAt(at - scale_ * d * line_.to_front);
-    }
-    if (front + behind == 0) return Keep::kNothing;
     if (front >= behind + kClearly) return Keep::kFront;
     if (behind >= front + kClearly) return Keep::kBehind;
     // What rises from a surface hides what lies behind it; what falls away from it has it behind itself.
@@ -173,7 +191,11 @@ std::vector<EdgeLine> CutAtJoints(SurfaceId id, const Neighbours& neighbours, co
       from = std::min(from, line->along.dot(p));
       to = std::max(to, line->along.dot(p));
     }
-    Joint(surface, other, *line, bitmap).Cut(from, to, &lines);
+    const Eigen::AlignedBox2d bitmap_box(bitmap->low, bitmap->CentreOf(bitmap->on.cols, bitmap->on.rows));
+    const std::optional<std::pair<double, double>> within = Within(*line, bitmap_box);
+    if (within)
+      Joint(surface, other, *line, bitmap)
+          .Cut(std::max(from, within->first), std::min(to, within->second), &lines);
   }
   return lines;
 }
