@@ -75,17 +75,30 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   if (reset_requested_.exchange(false) || new_world) mapper_.Reset();
   // A pose that is bridged or in doubt is a guess: it tells the robot where it is, but nothing is built on
   // it.
-  const bool mapped = tracked.pose.trusted && disparity && !map_paused_;
   FrameResult result;
+  result.warnings = tracked.warnings;
+  const bool pair_is_sound = !disparity || CheckPair(*tracked.frame, *disparity, &result.warnings);
+  const bool mapped = tracked.pose.trusted && disparity && pair_is_sound && !map_paused_;
   result.pose = tracked.pose;
   result.change = mapped ? mapper_.Update({*disparity, camera(), self_mask_}, tracked.pose, tracked.gravity)
                          : mapper_.Unchanged();
   result.frame = tracked.frame;
   result.disparity = disparity;
   result.sightings = tracked.sightings;
-  result.warnings = tracked.warnings;
   PostLessons(disparity.get(), tracked, mapped);
   return result;
+}
+
+bool Pipeline::CheckPair(const StereoFrame& frame, const DisparityImage& disparity,
+                         std::vector<std::string>* warnings) {
+  const PairHealth health = pair_monitor_.Check(frame, disparity);
+  const std::array<bool, 5> findings{health.left_blank, health.right_blank, health.half_blank,
+                                     health.different, health.rows_off};
+  if (std::exchange(pair_findings_, findings) != findings) {
+    const std::string reason = health.Reason();
+    warnings->push_back(reason.empty() ? "the two cameras show the same again" : reason);
+  }
+  return !health.stops_mapping();
 }
 
 void Pipeline::PostLessons(const DisparityImage* disparity, const TrackedPose& tracked, bool mapped) {

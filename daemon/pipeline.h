@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -20,6 +21,7 @@
 #include "daemon/pipeline_config.h"
 #include "odometry/visual_odometry.h"
 #include "stereo/disparity_matcher.h"
+#include "stereo/pair_monitor.h"
 #include "stereo/rectifier.h"
 #include "stereo/stereo_frame.h"
 #include "terrain/terrain_mapper.h"
@@ -94,6 +96,9 @@ class Pipeline {
   /// Of the frame that will use it; null where the motion is not known.
   std::shared_ptr<const DisparityPrior> ExpectDisparities(const DisparityImage& disparity,
                                                           const PoseEstimate& pose) const;
+  /// Whether the images can be what a pair sees; tells the user when that changes.
+  bool CheckPair(const StereoFrame& frame, const DisparityImage& disparity,
+                 std::vector<std::string>* warnings);
   void PostLessons(const DisparityImage* disparity, const TrackedPose& tracked, bool mapped);
 
   PipelineConfig config_;
@@ -108,7 +113,9 @@ class Pipeline {
   FeedbackExchange<std::optional<GravityHint>> gravity_hints_;
   FeedbackExchange<std::shared_ptr<const DisparityPrior>> disparity_priors_;  // only with stereo.use_prior
   std::optional<PoseEstimate> last_tracked_;                                  // of the thread that maps
-  int epoch_ = 0;                                                             // of the thread that maps
+  int epoch_ = 0;  // of the thread that maps, like what follows
+  PairMonitor pair_monitor_;
+  std::array<bool, 5> pair_findings_{};
   std::atomic<bool> reset_requested_{false};
   std::atomic<bool> map_paused_{false};
 };

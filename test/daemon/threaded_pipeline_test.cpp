@@ -77,6 +77,7 @@ TEST(PipelineTest, BuildsNothingOnAPoseInDoubt) {
     TrackedPose tracked;
     tracked.pose.status = TrackingStatus::kTracking;
     tracked.pose.trusted = !in_doubt;
+    tracked.frame = frame;
     if (in_doubt) tracked.pose.reason = "another motion explains nearly as much";
     const FrameResult result = pipeline.Map(disparity, tracked);
     EXPECT_EQ(result.change.map_cells == 0, in_doubt);
@@ -166,6 +167,23 @@ TEST(SaveSamplesTest, PutsTheSamplesOfADroppedFrameInFrontOfTheNextOnes) {
   ASSERT_EQ(next.samples.imu.size(), 2U);
   EXPECT_EQ(next.samples.imu.front().t, Timestamp{1});
   ASSERT_EQ(next.samples.priors.size(), 1U);
+}
+
+TEST(PipelineTest, MapsNothingWhileOneCameraIsCoveredAndSaysSoOnce) {
+  std::vector<SensorFrame> frames = test::TinySequence(8);
+  for (std::size_t i = 3; i < 6; ++i)
+    std::fill(frames[i].pair.right.data.begin(), frames[i].pair.right.data.end(), std::uint8_t{255});
+  Pipeline pipeline(TinyConfig(), test::TinyCalibration(), {});
+  std::vector<std::size_t> num_warnings;
+  std::vector<std::int64_t> seqs;
+  for (const SensorFrame& frame : frames) {
+    const FrameResult result = pipeline.Process(frame);
+    num_warnings.push_back(result.warnings.size());
+    seqs.push_back(result.change.map->seq);
+  }
+  EXPECT_EQ(seqs[5], seqs[2]) << "what a covered camera shows is in the map";
+  EXPECT_GE(num_warnings[3], 1U);
+  EXPECT_EQ(num_warnings[4] + num_warnings[5], 0U);
 }
 
 TEST(PipelineTest, APausedMapLetsThePosesGoOn) {
