@@ -105,7 +105,8 @@ LeafIndex LeafTree::CornerOf(const CellKey& key) const {
 
 int LeafTree::FindCell(const CellKey& key) const {
   const Node* node = tree_.search(KeyAt(CornerOf(key)), cell_depth_);
-  if (node == nullptr) return kNothing;
+  // In an empty tree OctoMap finds the root, which is no cell.
+  if (node == nullptr || node->getValue() == kNothing) return kNothing;
   // A cell far away may have the same keys.
   return cells_[node->getValue()].key == key ? node->getValue() : kNothing;
 }
