@@ -109,7 +109,11 @@ void Listen(const ListenOptions& options) {
   if (options.seconds > 0.0) {
     end = Clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.seconds));
   }
-  Listener(&lcm).Run(end);
+  Listener listener(&lcm);
+  // Said once everything is subscribed, so that a program that starts this one knows that nothing is missed from here on.
+  std::printf("%-8s listening on %s\n", "bus", options.url.c_str());
+  std::fflush(stdout);
+  listener.Run(end);
 }
 
 }  // namespace

@@ -153,6 +153,8 @@ def main():
             daemon = Daemon(terraced, live)
             daemon.wait_for("no calibration yet")
             listener = subprocess.Popen([terrace, "listen", "--url", URL], stdout=subprocess.PIPE, text=True)
+            ready = listener.stdout.readline()
+            assert ready == f"bus      listening on {URL}\n", ready
             others = [subprocess.Popen(["lcm-logplayer", "--speed=2", f"--lcm-url={URL}", other],
                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for other in foreign]
             play(log, speed)
