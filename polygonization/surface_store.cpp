@@ -38,9 +38,12 @@ std::int64_t BytesOf(const Patch& patch) {
 
 void AdoptEvidence(const PlaneFrame& theirs, const EvidenceGrid& evidence, Surface* to) {
   const PlaneFrame ours = to->Frame();
-  to->evidence.Adopt(
-      evidence, [&](const Eigen::Vector2d& p) { return theirs.ToPlane(ours.ToWorld(p)); },
-      [&](const Eigen::Vector2d& p) { return ours.ToPlane(theirs.ToWorld(p)); });
+  const auto map = [&](const Eigen::Vector2d& p) { return theirs.ToPlane(ours.ToWorld(p)); };
+  Eigen::Affine2d theirs_from_ours = Eigen::Affine2d::Identity();
+  theirs_from_ours.translation() = map(Eigen::Vector2d::Zero());
+  theirs_from_ours.linear() << map(Eigen::Vector2d::UnitX()) - theirs_from_ours.translation(),
+      map(Eigen::Vector2d::UnitY()) - theirs_from_ours.translation();
+  to->evidence.Adopt(evidence, theirs_from_ours);
 }
 
 /// Takes evidence where the leaves of a member lie, and a little around them.
@@ -52,12 +55,13 @@ void OpenEvidence(const CellMembers& cell, const Member& member, Surface* surfac
           .finished()
           .cast<float>();
   const Eigen::Vector2d middle = frame.ToPlane(cell.centre_world);
+  EvidenceGrid::Opener evidence(&surface->evidence);
   for (const Footprint& f : member.patch.footprints) {
     const Eigen::Vector2d at = middle + (to_axes * f.centre).cast<double>();
     const Eigen::Vector2d reach =
         ((to_axes * f.half_x).cwiseAbs() + (to_axes * f.half_y).cwiseAbs()).cast<double>() +
         Eigen::Vector2d::Constant(kAround_m);
-    surface->evidence.Open(at - reach, at + reach);
+    evidence.Open(at - reach, at + reach);
   }
   if (!cell.folded) return;
   // Where the leaves lay is forgotten: the box around them is what is left.
@@ -65,7 +69,7 @@ void OpenEvidence(const CellMembers& cell, const Member& member, Surface* surfac
   const Eigen::AlignedBox3d box_world(member.low_world, member.high_world);
   for (int corner = 0; corner < 8; ++corner)
     box.extend(frame.ToPlane(box_world.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
-  surface->evidence.Open(box.min(), box.max());
+  evidence.Open(box.min(), box.max());
 }
 
 /// Lays the axes anew; evidence goes along.
