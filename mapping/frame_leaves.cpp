@@ -7,13 +7,15 @@ namespace terrace {
 
 void FrameLeaves::Clear(int width) {
   leaves_.clear();
+  last_ = 0;
   above_.assign(static_cast<std::size_t>(width / kColumn) + 1, 0);
   ++generation_;
 }
 
 FrameLeaf& FrameLeaves::At(LeafAddress address, int u) {
   std::uint32_t& above = above_[static_cast<std::size_t>(u / kColumn)];
-  if (above < leaves_.size() && leaves_[above].address == address) return leaves_[above];
+  if (above < leaves_.size() && leaves_[above].address == address) return leaves_[last_ = above];
+  if (last_ < leaves_.size() && leaves_[last_].address == address) return leaves_[above = last_];
   if (leaves_.size() * 2 >= slots_.size()) Grow();
   Slot& slot = Find(address);
   if (slot.generation != generation_) {
@@ -21,7 +23,7 @@ FrameLeaf& FrameLeaves::At(LeafAddress address, int u) {
     slot = {address, place, generation_, static_cast<std::uint32_t>(leaves_.size())};
     leaves_.push_back({address, {}, place});
   }
-  above = slot.index;
+  above = last_ = slot.index;
   return leaves_[slot.index];
 }
 

@@ -7,20 +7,25 @@
 
 namespace terrace {
 
-void EvidenceGrid::Opener::Open(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
-  const int x1 = grid_.CellIndex(high.x()), y1 = grid_.CellIndex(high.y());
-  // From the first cell of the first group on.
-  const auto first = [](int cell) { return cell & ~(kGroupCells - 1); };
-  for (int y = first(grid_.CellIndex(low.y())); y <= y1; y += kGroupCells) {
-    for (int x = first(grid_.CellIndex(low.x())); x <= x1; x += kGroupCells) {
-      const BlockKey key = KeyOf(x, y);
+void EvidenceGrid::Opener::OpenGroups(const Eigen::Vector2i& low, const Eigen::Vector2i& high) {
+  for (int y = low.y(); y <= high.y(); ++y) {
+    for (int x = low.x(); x <= high.x(); ++x) {
+      const BlockKey key = KeyOf(x * kGroupCells, y * kGroupCells);
       if (block_ == nullptr || key != key_) {
         block_ = &grid_.MakeBlock(key);
         key_ = key;
       }
-      block_->OpenGroup(x - key.first * kBlockCells, y - key.second * kBlockCells);
+      block_->OpenGroup(x * kGroupCells - key.first * kBlockCells,
+                        y * kGroupCells - key.second * kBlockCells);
     }
   }
+}
+
+void EvidenceGrid::Open(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  const auto group_at = [&](const Eigen::Vector2d& p) {
+    return Eigen::Vector2i(FloorToInt(p.x() / group_m()), FloorToInt(p.y() / group_m()));
+  };
+  Opener(this).OpenGroups(group_at(low), group_at(high));
 }
 
 std::pair<EvidenceGrid::BlockKey, Eigen::Vector2i> EvidenceGrid::Locate(const Eigen::Vector2d& p) const {

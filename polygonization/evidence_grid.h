@@ -52,19 +52,22 @@ class EvidenceGrid {
   Blocks& blocks() { return blocks_; }
   const Blocks& blocks() const { return blocks_; }
 
+  double group_m() const { return cell_m_ * kGroupCells; }
   /// Takes evidence in boxes from now on. Boxes that follow each other mostly lie in one block, which is
   /// looked up once.
   class Opener {
    public:
     explicit Opener(EvidenceGrid* grid) : grid_(*grid) {}
-    void Open(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+    /// The groups from low to high; their numbers are those of their first cells over kGroupCells.
+    void OpenGroups(const Eigen::Vector2i& low, const Eigen::Vector2i& high);
 
    private:
     EvidenceGrid& grid_;
     Block* block_ = nullptr;
     BlockKey key_{};  // of `block_`
   };
-  void Open(const Eigen::Vector2d& low, const Eigen::Vector2d& high) { Opener(this).Open(low, high); }
+  /// All groups that the box from low to high touches [m].
+  void Open(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
   /// Takes evidence nowhere until it is opened again; what is known stays.
   void Close() {
     for (auto& [key, block] : blocks_) block.open = 0;

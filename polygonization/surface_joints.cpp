@@ -28,6 +28,9 @@ constexpr double kMostCut_m = 0.4;
 /// A gap before the line is closed up to here.
 constexpr double kFill_m = 0.035;
 constexpr double kLeastStretch_m = 0.04;
+/// A pixel holds a point of every square grid as fine as this, however the grid is turned: half its diagonal is
+/// less than half a pixel.
+constexpr double kStride_px = 0.7;
 
 enum class Keep { kNothing, kFront, kBehind, kBoth };
 
@@ -96,18 +99,14 @@ class Joint {
       if (one_side && last - began >= kLeastStretch_m)
         lines->push_back({line_.point, line_.along, began, last});
     };
-    for (double t = from_m; t <= to_m; t += bitmap_.pixel_m) {
+    for (double t = from_m; t <= to_m; t += kStride_px * bitmap_.pixel_m) {
       const Eigen::Vector2d at = line_.point + t * line_.along;
       const Keep keep = Decide(at);
       if (keep != keep_before) {
         end_stretch();
         began = t;
       }
-      if (keep != Keep::kNothing) {
-        // Twice a pixel, so that no pixel beside the line is left out.
-        Paint(at, keep);
-        Paint(at + 0.5 * bitmap_.pixel_m * line_.along, keep);
-      }
+      if (keep != Keep::kNothing) Paint(at, keep);
       last = t;
       keep_before = keep;
     }
@@ -138,7 +137,7 @@ class Joint {
   }
 
   void Paint(const Eigen::Vector2d& at, Keep keep) {
-    const double step = 0.5 * bitmap_.pixel_m;
+    const double step = kStride_px * bitmap_.pixel_m;
     if (keep == Keep::kBoth) {
       for (double d = -bitmap_.pixel_m; d <= bitmap_.pixel_m; d += step) Bar(at + d * line_.to_front, 0.75);
       return;

@@ -8,6 +8,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "core/rounding.h"
+
 namespace terrace {
 namespace {
 
@@ -50,18 +52,24 @@ void AdoptEvidence(const PlaneFrame& theirs, const EvidenceGrid& evidence, Surfa
 void OpenEvidence(const CellMembers& cell, const Member& member, Surface* surface) {
   constexpr double kAround_m = 0.01;
   const PlaneFrame frame = surface->Frame();
-  const Eigen::Matrix<float, 2, 3> to_axes =
-      (Eigen::Matrix<double, 2, 3>() << surface->axes.x.transpose(), surface->axes.y.transpose())
-          .finished()
-          .cast<float>();
-  const Eigen::Vector2d middle = frame.ToPlane(cell.centre_world);
-  EvidenceGrid::Opener evidence(&surface->evidence);
+  // In groups; the one that holds the middle of the cell is split off, so that floats suffice for what is
+  // left.
+  const double groups_per_m = 1.0 / surface->evidence.group_m();
+  Eigen::Matrix<double, 2, 3> to_axes;
+  to_axes << surface->axes.x.transpose(), surface->axes.y.transpose();
+  const Eigen::Matrix<float, 2, 3> to_groups = (groups_per_m * to_axes).cast<float>();
+  const Eigen::Vector2d middle = groups_per_m * frame.ToPlane(cell.centre_world);
+  const Eigen::Vector2i middle_group(FloorToInt(middle.x()), FloorToInt(middle.y()));
+  const Eigen::Vector2f in_group = (middle - middle_group.cast<double>()).cast<float>();
+  const Eigen::Vector2f around = Eigen::Vector2f::Constant(static_cast<float>(groups_per_m * kAround_m));
+  EvidenceGrid::Opener opener(&surface->evidence);
   for (const Footprint& f : member.patch.footprints) {
-    const Eigen::Vector2d at = middle + (to_axes * f.centre).cast<double>();
-    const Eigen::Vector2d reach =
-        ((to_axes * f.half_x).cwiseAbs() + (to_axes * f.half_y).cwiseAbs()).cast<double>() +
-        Eigen::Vector2d::Constant(kAround_m);
-    evidence.Open(at - reach, at + reach);
+    const Eigen::Vector2f at = in_group + to_groups * f.centre;
+    const Eigen::Vector2f reach =
+        (to_groups * f.half_x).cwiseAbs() + (to_groups * f.half_y).cwiseAbs() + around;
+    const Eigen::Vector2f low = at - reach, high = at + reach;
+    opener.OpenGroups(middle_group + Eigen::Vector2i(FloorToInt(low.x()), FloorToInt(low.y())),
+                      middle_group + Eigen::Vector2i(FloorToInt(high.x()), FloorToInt(high.y())));
   }
   if (!cell.folded) return;
   // Where the leaves lay is forgotten: the box around them is what is left.
@@ -69,7 +77,7 @@ void OpenEvidence(const CellMembers& cell, const Member& member, Surface* surfac
   const Eigen::AlignedBox3d box_world(member.low_world, member.high_world);
   for (int corner = 0; corner < 8; ++corner)
     box.extend(frame.ToPlane(box_world.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
-  evidence.Open(box.min(), box.max());
+  surface->evidence.Open(box.min(), box.max());
 }
 
 /// Lays the axes anew; evidence goes along.
