@@ -32,11 +32,22 @@ std::int64_t FrameLeaves::memory_bytes() const {
                                    above_.capacity() * sizeof(std::uint32_t));
 }
 
+/// A leaf's slot is one of a few beside each other, so that several leaves of earlier frames are remembered
+/// beside those of this one; the oldest gives way. Only where all are taken by this frame the next few are
+/// asked.
 FrameLeaves::Slot& FrameLeaves::Find(LeafAddress address) {
-  const std::size_t mask = slots_.size() - 1;
+  const std::size_t mask = slots_.size() - kWays;
   std::size_t at = (address.packed * 0x9E3779B97F4A7C15ULL) >> 20 & mask;
-  while (slots_[at].generation == generation_ && slots_[at].address != address) at = (at + 1) & mask;
-  return slots_[at];
+  while (true) {
+    Slot* const slots = &slots_[at];
+    Slot* oldest = slots;
+    for (Slot* slot = slots; slot != slots + kWays; ++slot) {
+      if (slot->address == address) return *slot;
+      if (slot->generation < oldest->generation) oldest = slot;
+    }
+    if (oldest->generation != generation_) return *oldest;
+    at = (at + kWays) & mask;
+  }
 }
 
 void FrameLeaves::Grow() {
