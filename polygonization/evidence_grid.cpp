@@ -40,7 +40,7 @@ int EvidenceGrid::At(const Eigen::Vector2d& p) const {
   return found == blocks_.end() ? 0 : found->second.At(cell.x(), cell.y());
 }
 
-void EvidenceGrid::Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other_from_this) {
+int EvidenceGrid::Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other_from_this) {
   const Eigen::Affine2d this_from_other = other_from_this.inverse();
   std::set<BlockKey> covered;
   for (const auto& [key, block] : other.blocks_) {
@@ -56,6 +56,7 @@ void EvidenceGrid::Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other
   // One cell of this grid on, in cells of the other.
   const Eigen::Matrix2d step = other_from_this.linear() * (cell_m_ / other.cell_m_);
   Reader theirs(other);
+  int num_on = 0;
   for (const BlockKey& key : covered) {
     Block& block = MakeBlock(key);
     const Eigen::Vector2d first(key.first * kBlockCells + 0.5, key.second * kBlockCells + 0.5);
@@ -70,10 +71,13 @@ void EvidenceGrid::Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other
         if (their_block->IsOpen(bx, by)) block.OpenGroup(x, y);
         const std::int8_t known = their_block->At(bx, by);
         std::int8_t& ours = block.At(x, y);
-        if (std::abs(known) > std::abs(ours)) ours = known;
+        if (std::abs(known) <= std::abs(ours)) continue;
+        num_on += ours < kOn && known >= kOn;
+        ours = known;
       }
     }
   }
+  return num_on;
 }
 
 }  // namespace terrace

@@ -87,7 +87,8 @@ class EvidenceGrid {
 
   /// Takes over what another grid knows where this one knows less.
   /// @param other_from_this  maps points of this grid's plane to those of the other's
-  void Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other_from_this);
+  /// @return how many cells belong to the surface only since
+  int Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other_from_this);
 
   /// Answers as At() does, for points that mostly lie near each other, while the grid stays as it is.
   class Reader {

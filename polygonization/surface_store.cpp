@@ -38,14 +38,15 @@ std::int64_t BytesOf(const Patch& patch) {
   return static_cast<std::int64_t>(patch.footprints.size() * sizeof(Footprint));
 }
 
-void AdoptEvidence(const PlaneFrame& theirs, const EvidenceGrid& evidence, Surface* to) {
+/// @return cells that belong to the surface only since
+int AdoptEvidence(const PlaneFrame& theirs, const EvidenceGrid& evidence, Surface* to) {
   const PlaneFrame ours = to->Frame();
   const auto map = [&](const Eigen::Vector2d& p) { return theirs.ToPlane(ours.ToWorld(p)); };
   Eigen::Affine2d theirs_from_ours = Eigen::Affine2d::Identity();
   theirs_from_ours.translation() = map(Eigen::Vector2d::Zero());
   theirs_from_ours.linear() << map(Eigen::Vector2d::UnitX()) - theirs_from_ours.translation(),
       map(Eigen::Vector2d::UnitY()) - theirs_from_ours.translation();
-  to->evidence.Adopt(evidence, theirs_from_ours);
+  return to->evidence.Adopt(evidence, theirs_from_ours);
 }
 
 /// Takes evidence where the leaves of a member lie, and a little around them.
@@ -164,14 +165,18 @@ void SurfaceStore::Absorb(SurfaceId keep, SurfaceId lose) {
   Surface& loser = surfaces_.at(lose);
   for (const CellKey& key : loser.cells) {
     winner.cells.insert(key);
-    for (Member& member : cells_.at(key).members)
-      if (member.surface == lose) member.surface = keep;
+    CellMembers& cell = cells_.at(key);
+    for (Member& member : cell.members) {
+      if (member.surface != lose) continue;
+      member.surface = keep;
+      OpenEvidence(cell, member, &winner);
+    }
   }
   // Its polygons' ids may live on.
   winner.polygons.insert(winner.polygons.end(), loser.polygons.begin(), loser.polygons.end());
-  winner.trace_now = true;
+  winner.trace_now = winner.trace_now || !loser.polygons.empty();
   winner.box_world.extend(loser.box_world);
-  AdoptEvidence(loser.Frame(), loser.evidence, &winner);
+  winner.num_flipped += AdoptEvidence(loser.Frame(), loser.evidence, &winner);
   surfaces_.erase(lose);
   touched_.erase(lose);
   touched_.insert(keep);
@@ -187,10 +192,12 @@ void SurfaceStore::RefitTouched() {
 void SurfaceStore::Refit(SurfaceId id, Surface* surface) {
   PlaneMoments moments;
   double noise2 = 0.0;
+  surface->area_m2 = 0.0;
   for (const CellKey& key : surface->cells) {
     const CellMembers& cell = cells_.at(key);
     for (const Member& member : cell.members) {
       if (member.surface != id) continue;
+      surface->area_m2 += member.patch.area_m2;
       moments.Add(member.patch.moments, cell.centre_world - surface->origin_world);
       noise2 += member.patch.moments.weight * member.patch.noise_m * member.patch.noise_m;
     }
