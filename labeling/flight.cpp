@@ -119,7 +119,7 @@ std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::ve
   for (const StepFit& fit : flight.fits) {
     const StepElement& e = flight.elements[fit.element];
     const RegionShape& s = *shapes[e.shape];
-    members.push_back({e.shape, e.riser});
+    members.push_back({e.shape, e.riser, false, e.leaning});
     if (e.riser) {
       risers -= s.area_m2 * s.front();
     } else {

@@ -51,7 +51,8 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
     if (k < 1 || k > (e.riser ? ends.num_risers() : ends.num_treads())) continue;
     // A wall that goes on beside and above its riser in one plane shows the riser, but is a wall.
     const double in_riser_m2 = e.lateral.Overlap(stride.lateral) * stride.rise;
-    if (!e.riser || e.area_m2 <= 2.0 * in_riser_m2) evidence.members.push_back({e.shape, e.riser, k});
+    if (!e.riser || e.area_m2 <= 2.0 * in_riser_m2)
+      evidence.members.push_back({e.shape, e.riser, k, e.leaning});
     evidence.seen.insert({k, e.riser});
     levels.insert(k);
     sides.push_back(e.lateral);

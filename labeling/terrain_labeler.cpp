@@ -44,7 +44,7 @@ std::map<PolygonId, InStaircase> StairRegions(const std::vector<TrackedStaircase
   std::map<PolygonId, InStaircase> regions;
   for (const TrackedStaircase& s : staircases)
     for (const StepPlace& place : s.places)
-      regions.emplace(place.region, InStaircase{s.id, place, s.published.confidence});
+      if (!place.leaning) regions.emplace(place.region, InStaircase{s.id, place, s.published.confidence});
   return regions;
 }
 

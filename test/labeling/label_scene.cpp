@@ -51,7 +51,7 @@ void LabelScene::AddBox(const Eigen::Vector3d& foot_center, double size_x, doubl
   AddLevel(top, foot_center + Eigen::Vector3d(0, 0, height_m), size_x, size_y, yaw_rad);
 }
 
-void LabelScene::AddFlight(const Flight& f) {
+void LabelScene::AddFlight(const KnownFlight& f) {
   const auto at = [&](double along, double left, double z) {
     return Eigen::Vector3d(f.foot + Turned(f.yaw_rad, along, left, z));
   };
