@@ -73,5 +73,49 @@ TEST(StaircaseFinderTest, FindsNoFlightInARampOfWhichStripsAreHidden) {
   EXPECT_TRUE(finder.Find(InclineInStrips(0.002), {}, FromAbove(), true).empty());
 }
 
+TEST(StaircaseFinderTest, MeasuresTheRiseByTheTopsOfFacesWhoseFeetAreHidden) {
+  constexpr double kRise = 0.17, kRun = 0.28;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  for (int k = 1; k <= 6; ++k) {
+    // From a low eye the more of a face is hidden the higher it is.
+    const double x = 3.0 + (k - 1) * kRun, hidden = 0.012 * k, foot = (k - 1) * kRise + hidden;
+    scene.AddFace(TerrainLabel::kStairRiser, {x, 0.8, foot}, {x, -0.8, foot}, kRise - hidden, k);
+  }
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.0, 0.0, 0.3);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(ShapesOf(scene.Update().polygons), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 0.001);
+  EXPECT_NEAR(found[0].model.foot_z, 0.0, 0.003);
+}
+
+TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
+  constexpr int kTrials = 60;
+  double sum2 = 0.0;
+  int num = 0;
+  for (unsigned seed = 1; seed <= kTrials; ++seed) {
+    LabelScene scene;
+    scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+    KnownFlight flight;
+    flight.foot = {3, 0, 0};
+    scene.AddFlight(flight);
+    const StaircaseFinder finder{StaircaseConfig{}};
+    Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+    sight.T_level_left.translation() = Eigen::Vector3d(1.5, 0.0, 1.5);
+    // As good as single treads and faces are taken to be.
+    const auto found =
+        finder.Find(ShapesOf(scene.Update({0.006, 0.01, 0.012}, seed).polygons), {}, sight, true);
+    if (found.size() != 1u) continue;
+    sum2 += std::pow((found[0].model.rise_m - flight.rise_m) / found[0].rise_sigma_m, 2);
+    ++num;
+  }
+  EXPECT_GE(num, kTrials - 2);
+  const double rms = std::sqrt(sum2 / num);
+  EXPECT_GT(rms, 0.6);
+  EXPECT_LT(rms, 1.4);
+}
+
 }  // namespace
 }  // namespace terrace
