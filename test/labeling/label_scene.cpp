@@ -183,6 +183,7 @@ TerrainMapPtr LabelOften(TerrainLabeler& labeler, const PolygonUpdate& update, c
 std::string WrongLabels(const LabelScene& scene, const TerrainMap& map) {
   std::ostringstream wrong;
   for (const auto& region : map.regions) {
+    if (region->predicted()) continue;  // is no piece of the scene
     const KnownPiece& piece = scene.pieces.at(static_cast<std::size_t>(region->id) - 1);
     const int step = region->step_index.value_or(0);
     if (region->label == piece.label && step == piece.step_index) continue;

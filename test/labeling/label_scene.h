@@ -78,7 +78,7 @@ TerrainLabeler MakeLabeler();
 TerrainMapPtr LabelOften(TerrainLabeler& labeler, const PolygonUpdate& update, const PoseEstimate& pose,
                          int times = 6);
 
-/// The regions whose label is not the true one, a line each; empty when all are right.
+/// The seen regions whose label is not the true one, a line each; empty when all are right.
 std::string WrongLabels(const LabelScene& scene, const TerrainMap& map);
 
 }  // namespace terrace
