@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "client/region_shape.h"
+
+namespace terrace {
+
+/// Whether any point of the region lies in the box, its border included.
+bool ReachesInto(const RegionShape& shape, const Eigen::AlignedBox3d& box_world);
+
+}  // namespace terrace
