@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "client/convex_ring.h"
+
 namespace terrace {
 namespace {
 
@@ -51,6 +53,18 @@ bool ReachesInto(const RegionShape& shape, const Eigen::AlignedBox3d& box_world)
       return true;
   }
   return false;
+}
+
+FlatRing SectionOf(const RegionShape& shape, const Eigen::AlignedBox3d& box_world) {
+  FlatRing ring = RingOf(shape.polygon().box());
+  const PlaneAxes& axes = shape.axes_world();
+  const Eigen::Vector3d& origin = shape.centroid_world();
+  for (int axis = 0; axis < 3 && !ring.empty(); ++axis) {
+    const Eigen::Vector2d along(axes.x[axis], axes.y[axis]);
+    ring = Cut(ring, along, box_world.max()[axis] - origin[axis]);
+    if (!ring.empty()) ring = Cut(ring, -along, origin[axis] - box_world.min()[axis]);
+  }
+  return ring;
 }
 
 }  // namespace terrace

@@ -16,6 +16,9 @@ using ClipperLib::Paths;
 constexpr double kUnitsPerMetre = 1e6;
 // Arcs become chords, which cut in by at most this; the margin grows by as much, so that none is cut short.
 constexpr double kArcTolerance_m = 0.5e-3;
+// Clipper rounds the number of chords of an arc, so that one may span half as much again as its tolerance
+// means, and cuts in by the square of that.
+constexpr double kClippersTolerance = kArcTolerance_m / (1.5 * 1.5) * kUnitsPerMetre;
 
 ClipperLib::IntPoint ToUnits(const Eigen::Vector2d& p) {
   return {std::llround(p.x() * kUnitsPerMetre), std::llround(p.y() * kUnitsPerMetre)};
@@ -61,7 +64,7 @@ Paths ChainsOf(const FlatPolygon& polygon, const std::vector<RegionEdge>& edges,
 /// Everything within `margin_m` of the edges of one kind.
 Paths Around(const FlatPolygon& polygon, const std::vector<RegionEdge>& edges, EdgeKind kind,
              double margin_m) {
-  ClipperLib::ClipperOffset offset(2.0, kArcTolerance_m * kUnitsPerMetre);
+  ClipperLib::ClipperOffset offset(2.0, kClippersTolerance);
   offset.AddPaths(ChainsOf(polygon, edges, kind), ClipperLib::jtRound, ClipperLib::etOpenRound);
   Paths around;
   offset.Execute(around, (margin_m + 2.0 * kArcTolerance_m) * kUnitsPerMetre);
@@ -83,7 +86,7 @@ FlatPolygon InsetOf(const FlatPolygon& polygon, const std::vector<RegionEdge>& e
                     const EdgeMargins& margins) {
   Paths inset = ToUnits(polygon.rings());
   if (margins.all_m > 0.0) {
-    ClipperLib::ClipperOffset offset(2.0, kArcTolerance_m * kUnitsPerMetre);
+    ClipperLib::ClipperOffset offset(2.0, kClippersTolerance);
     offset.AddPaths(inset, ClipperLib::jtRound, ClipperLib::etClosedPolygon);
     offset.Execute(inset, -(margins.all_m + kArcTolerance_m) * kUnitsPerMetre);
   }
