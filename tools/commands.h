@@ -21,6 +21,7 @@ void AddCalibrationCommand(CLI::App& app);
 void AddCommandCommand(CLI::App& app);
 void AddConvertCommand(CLI::App& app);
 void AddDisparityCommand(CLI::App& app);
+void AddDoctorCommand(CLI::App& app);
 void AddDrawCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   terrace::AddCommandCommand(app);
   terrace::AddConvertCommand(app);
   terrace::AddDisparityCommand(app);
+  terrace::AddDoctorCommand(app);
   terrace::AddDrawCommand(app);
   terrace::AddEvaluateCommand(app);
   terrace::AddInfoCommand(app);

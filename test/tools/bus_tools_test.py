@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""`terrace status` and `terrace command` against a live daemon: what they say and their exit codes."""
+"""`terrace status`, `terrace command` and `terrace doctor` against a live daemon: what they say and their exit codes."""
 import json
 import pathlib
 import signal
@@ -48,6 +48,19 @@ def check_without_input(terrace):
     assert code == DONE and reply.startswith("resumed"), reply
 
 
+def check_doctor(terrace, log):
+    code, page, complaint = terrace.run("doctor", "--url", URL, "--seconds", "1.5")
+    for words in ("no images are heard", "none is heard on TERRACE_CALIBRATION", "no_calibration"):
+        assert words in page, page
+    assert code == FAILED and "troubles" in complaint, complaint
+    player = subprocess.Popen(["lcm-logplayer", "--speed=0.25", f"--lcm-url={URL}", log], stdout=subprocess.DEVNULL)
+    _, page, _ = terrace.run("doctor", "--url", URL, "--seconds", "6")
+    player.wait()
+    for words in ("pairs a second", "IMU samples a second", "accelerometer: 9.", "rows are off by", "mean brightness",
+                  "messages as large as pairs"):
+        assert words in page, page
+
+
 def check_with_input(terrace, log, folder):
     player = subprocess.Popen(["lcm-logplayer", "--speed=0.15", f"--lcm-url={URL}", log], stdout=subprocess.DEVNULL)
     status = {}
@@ -83,6 +96,7 @@ def main():
             while "live on" not in daemon.stderr.readline():
                 assert daemon.poll() is None
             check_without_input(terrace)
+            check_doctor(terrace, log)
             check_with_input(terrace, log, folder)
         finally:
             daemon.send_signal(signal.SIGTERM)
