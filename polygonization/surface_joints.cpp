@@ -20,6 +20,10 @@ constexpr std::array<double, 2> kBeside_m{0.015, 0.03};
 /// Where it is asked, beyond the blur of the line, on which side this surface goes on; farther out the
 /// flatter the angle, since pixels beyond the line agree with both planes the longer.
 constexpr std::array<double, 5> kProbes_m{0.03, 0.045, 0.06, 0.08, 0.10};
+/// Where a surface seems to go on behind a face that rises from it, it does only when it is seen this far
+/// behind, too: nearer, the foot of a face far away agrees with both.
+constexpr std::array<double, 3> kFarProbes_m{0.3, 0.4, 0.5};
+constexpr int kGoesOnFar = 2;
 constexpr int kGoesOn = 4;   // probes
 constexpr int kClearly = 2;  // more of them
 /// How far beyond the line what agreed with this plane belongs to the other, at a right angle.
@@ -28,8 +32,8 @@ constexpr double kMostCut_m = 0.4;
 /// A gap before the line is closed up to here.
 constexpr double kFill_m = 0.035;
 constexpr double kLeastStretch_m = 0.04;
-/// A pixel holds a point of every square grid as fine as this, however the grid is turned: half its diagonal is
-/// less than half a pixel.
+/// A pixel holds a point of every square grid as fine as this, however the grid is turned: half its diagonal
+/// is less than half a pixel.
 constexpr double kStride_px = 0.7;
 
 enum class Keep { kNothing, kFront, kBehind, kBoth };
@@ -132,8 +136,18 @@ class Joint {
     if (front >= behind + kClearly) return Keep::kFront;
     if (behind >= front + kClearly) return Keep::kBehind;
     // What rises from a surface hides what lies behind it; what falls away from it has it behind itself.
-    if (front >= kGoesOn && behind >= kGoesOn) return above ? Keep::kBoth : Keep::kNothing;
+    if (front >= kGoesOn && behind >= kGoesOn) {
+      if (!above) return Keep::kNothing;
+      const bool far_front = GoesOnFar(at, line_.to_front), far_behind = GoesOnFar(at, -line_.to_front);
+      if (far_front == far_behind) return Keep::kBoth;
+      return far_front ? Keep::kFront : Keep::kBehind;
+    }
     return above ? Keep::kFront : Keep::kBehind;
+  }
+
+  bool GoesOnFar(const Eigen::Vector2d& at, const Eigen::Vector2d& way) const {
+    return std::count_if(kFarProbes_m.begin(), kFarProbes_m.end(),
+                         [&](double d) { return bitmap_.OnAt(at + d * way); }) >= kGoesOnFar;
   }
 
   void Paint(const Eigen::Vector2d& at, Keep keep) {
@@ -144,7 +158,11 @@ class Joint {
     }
     const Eigen::Vector2d inside = keep == Keep::kFront ? line_.to_front : Eigen::Vector2d(-line_.to_front);
     const double depth = std::min(kMostCut_m, scale_ * kCut_m);
-    for (double d = 0.0; d <= depth; d += step) Bar(at - d * inside, inside);
+    for (double d = 0.0; d <= kMostCut_m; d += step) {
+      // Farther on only what hangs together with it.
+      if (d > depth && !bitmap_.OnAt(at - d * inside)) break;
+      Bar(at - d * inside, inside);
+    }
     double filled = 0.0;
     while (filled <= kFill_m && !bitmap_.OnAt(at + (filled + step) * inside)) filled += step;
     if (filled > kFill_m) return;
