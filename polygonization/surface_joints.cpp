@@ -32,6 +32,10 @@ constexpr double kMostCut_m = 0.4;
 /// A gap before the line is closed up to here.
 constexpr double kFill_m = 0.035;
 constexpr double kLeastStretch_m = 0.04;
+/// The other surface is taken to go on where it was not seen for no longer than this.
+constexpr double kBridge_m = 0.15;
+/// A decision that holds for no longer than this, between two that are alike, is none.
+constexpr double kFlicker_m = 0.04;
 /// A pixel holds a point of every square grid as fine as this, however the grid is turned: half its diagonal
 /// is less than half a pixel.
 constexpr double kStride_px = 0.7;
@@ -96,28 +100,52 @@ class Joint {
 
   /// Cuts along the stretch [from, to] of the line, and appends where it did.
   void Cut(double from_m, double to_m, std::vector<EdgeLine>* lines) {
-    double began = from_m, last = from_m;
-    Keep keep_before = Keep::kNothing;
-    const auto end_stretch = [&] {
-      const bool one_side = keep_before == Keep::kFront || keep_before == Keep::kBehind;
-      if (one_side && last - began >= kLeastStretch_m)
-        lines->push_back({line_.point, line_.along, began, last});
-    };
-    for (double t = from_m; t <= to_m; t += kStride_px * bitmap_.pixel_m) {
-      const Eigen::Vector2d at = line_.point + t * line_.along;
-      const Keep keep = Decide(at);
-      if (keep != keep_before) {
-        end_stretch();
-        began = t;
-      }
-      if (keep != Keep::kNothing) Paint(at, keep);
-      last = t;
-      keep_before = keep;
+    const double step = kStride_px * bitmap_.pixel_m;
+    const auto at = [&](int i) -> Eigen::Vector2d { return line_.point + (from_m + i * step) * line_.along; };
+    std::vector<Stretch> stretches;
+    for (int i = 0; from_m + i * step <= to_m; ++i) {
+      const Keep keep = Decide(at(i));
+      if (stretches.empty() || stretches.back().keep != keep) stretches.push_back({keep, i, i});
+      stretches.back().end = i + 1;
     }
-    end_stretch();
+    Settle(step, &stretches);
+    for (const Stretch& stretch : stretches) {
+      if (stretch.keep == Keep::kNothing) continue;
+      for (int i = stretch.begin; i < stretch.end; ++i) Paint(at(i), stretch.keep);
+      const double began = from_m + stretch.begin * step, ended = from_m + (stretch.end - 1) * step;
+      if (stretch.keep != Keep::kBoth && ended - began >= kLeastStretch_m)
+        lines->push_back({line_.point, line_.along, began, ended});
+    }
   }
 
  private:
+  /// Points of the line, one after the other, at which the same is decided.
+  struct Stretch {
+    Keep keep;
+    int begin, end;
+  };
+
+  /// Short stretches between two alike are taken to be like them: where the decision flickers, and, somewhat
+  /// longer, where the other surface was not seen.
+  static void Settle(double step_m, std::vector<Stretch>* stretches) {
+    std::vector<Stretch> settled;
+    for (const Stretch& stretch : *stretches) {
+      settled.push_back(stretch);
+      while (settled.size() >= 3) {
+        const Stretch& before = settled[settled.size() - 3];
+        const Stretch& between = settled[settled.size() - 2];
+        const double longest = between.keep == Keep::kNothing ? kBridge_m : kFlicker_m;
+        if (before.keep != settled.back().keep || before.keep == Keep::kNothing ||
+            (between.end - between.begin) * step_m > longest)
+          break;
+        const Stretch joined{before.keep, before.begin, settled.back().end};
+        settled.resize(settled.size() - 3);
+        settled.push_back(joined);
+      }
+    }
+    *stretches = std::move(settled);
+  }
+
   /// On which sides of the line this surface goes on at one point of it.
   Keep Decide(const Eigen::Vector2d& at) {
     int front = 0, behind = 0;
