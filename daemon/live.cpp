@@ -17,6 +17,7 @@
 #include "daemon/interrupt.h"
 #include "daemon/live_input.h"
 #include "daemon/mapper_run.h"
+#include "daemon/service_notice.h"
 #include "daemon/sinks.h"
 #include "daemon/status_reporter.h"
 #include "daemon/terrain_publisher.h"
@@ -167,6 +168,7 @@ class LiveNode {
       status.reason_code = ReasonCode::kNoImages;
     }
     reporter_.Send(status);
+    service_.Tell(status);
   }
 
   static void SetFlow(const FlowCounts& counts, Status* status) {
@@ -204,6 +206,7 @@ class LiveNode {
   }
 
   void Answer(const command_v1_t& command) {
+    if (command.command == command_v1_t::KEEP_RECORD) return;  // the recorder answers
     command_reply_v1_t reply = obeyer_.Obey(command);
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     reply.utime = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
@@ -216,6 +219,7 @@ class LiveNode {
   lcm::LCM lcm_;
   StatusReporter reporter_;
   CommandObeyer obeyer_;
+  ServiceNotice service_;
   std::optional<LiveInput> input_;
   std::unique_ptr<LiveMapper> mapper_;
   bool paused_ = false;
