@@ -21,6 +21,7 @@
 #include "daemon/sinks.h"
 #include "daemon/status_reporter.h"
 #include "daemon/terrain_publisher.h"
+#include "daemon/thread_priority.h"
 #include "datasets/calibration_file.h"
 #include "datasets/euroc.h"
 
@@ -233,6 +234,7 @@ class LiveNode {
 void RunLive(const LiveOptions& options, const Config& config) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(options.num_threads));
+  const WorkersYieldToThePose workers;
   LiveNode(options, config).Run();
 }
 
