@@ -37,5 +37,5 @@ install(DIRECTORY lcmtypes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace/lcmtype
 install(DIRECTORY datasets/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace OPTIONAL)
 install(FILES daemon/config/terraced.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/terrace)
 configure_file(daemon/terraced.service.in ${PROJECT_BINARY_DIR}/terraced.service @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/terraced.service DESTINATION lib/systemd/system)
+install(FILES ${PROJECT_BINARY_DIR}/terraced.service daemon/config/terrace-loopback.service DESTINATION lib/systemd/system)
 install(DIRECTORY daemon/config/ DESTINATION lib/sysctl.d FILES_MATCHING PATTERN "*.conf")
