@@ -213,7 +213,7 @@ void MatchPair(const Options& options) {
       {"density", static_cast<double>(num_known) / static_cast<double>(frame.left.total())},
       {"width", frame.left.cols},
       {"height", frame.left.rows},
-      {"max_disparity_px", config.max_disparity_px},
+      {"max_disparity_px", config.max_disparity_px.value()},
       {"tier", config.tier}};
   if (!depth_m.empty()) line["median_depth_m"] = Median(depth_m);
   std::printf("%s\n", line.dump().c_str());
