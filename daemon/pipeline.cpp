@@ -96,6 +96,8 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   result.pose = tracked.pose;
   result.change = mapped ? mapper_.Update({*disparity, camera(), self_mask_}, tracked.pose, tracked.gravity)
                          : mapper_.Unchanged();
+  if (mapped)
+    result.warnings.insert(result.warnings.end(), mapper_.warnings().begin(), mapper_.warnings().end());
   result.frame = tracked.frame;
   result.disparity = disparity;
   result.sightings = tracked.sightings;
