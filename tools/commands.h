@@ -24,6 +24,7 @@ void AddDrawCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddListenCommand(CLI::App& app);
+void AddServeCommand(CLI::App& app);
 void AddSynthesizeCommand(CLI::App& app);
 
 }  // namespace terrace

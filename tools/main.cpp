@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   terrace::AddEvaluateCommand(app);
   terrace::AddInfoCommand(app);
   terrace::AddListenCommand(app);
+  terrace::AddServeCommand(app);
   terrace::AddSynthesizeCommand(app);
 
   try {
