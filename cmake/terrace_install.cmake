@@ -31,8 +31,6 @@ install(FILES ${PROJECT_BINARY_DIR}/terrace-config.cmake ${PROJECT_BINARY_DIR}/t
 configure_file(cmake/terrace-client.pc.in ${PROJECT_BINARY_DIR}/terrace-client.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/terrace-client.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/python DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace
-        FILES_MATCHING PATTERN "*.py")
 install(DIRECTORY lcmtypes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace/lcmtypes FILES_MATCHING PATTERN "*.lcm")
 install(DIRECTORY datasets/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace OPTIONAL)
 install(FILES daemon/config/terraced.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/terrace)

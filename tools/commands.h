@@ -28,6 +28,7 @@ void AddInfoCommand(CLI::App& app);
 void AddListenCommand(CLI::App& app);
 void AddRecordCommand(CLI::App& app);
 void AddStatusCommand(CLI::App& app);
+void AddServeCommand(CLI::App& app);
 void AddSynthesizeCommand(CLI::App& app);
 
 }  // namespace terrace

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   terrace::AddListenCommand(app);
   terrace::AddRecordCommand(app);
   terrace::AddStatusCommand(app);
+  terrace::AddServeCommand(app);
   terrace::AddSynthesizeCommand(app);
 
   try {
