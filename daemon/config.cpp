@@ -124,6 +124,7 @@ class Binding {
     Bind("labeling", &p.terrain.labeling);
     Bind("staircases", &p.terrain.staircases);
     Bind("robot", &p.terrain.robot);
+    Bind("robot", &p.self_mask);
     Bind("lcm", &config->live);
     Bind("channels", &config->channels);
   }

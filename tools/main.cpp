@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "terrace " TERRACE_VERSION);
   app.require_subcommand(1);
   terrace::AddCalibrationCommand(app);
+  terrace::AddCameraCommand(app);
   terrace::AddCommandCommand(app);
   terrace::AddConvertCommand(app);
   terrace::AddDisparityCommand(app);
