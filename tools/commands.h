@@ -24,6 +24,8 @@ void AddDrawCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddListenCommand(CLI::App& app);
+void AddReportCommand(CLI::App& app);
 void AddSynthesizeCommand(CLI::App& app);
+void AddViewCommand(CLI::App& app);
 
 }  // namespace terrace

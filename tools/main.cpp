@@ -25,7 +25,9 @@ int main(int argc, char** argv) {
   terrace::AddEvaluateCommand(app);
   terrace::AddInfoCommand(app);
   terrace::AddListenCommand(app);
+  terrace::AddReportCommand(app);
   terrace::AddSynthesizeCommand(app);
+  terrace::AddViewCommand(app);
 
   try {
     app.parse(argc, argv);  // runs the subcommand's callback
