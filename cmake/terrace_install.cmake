@@ -26,7 +26,7 @@ configure_package_config_file(cmake/terrace-config.cmake.in ${PROJECT_BINARY_DIR
                               INSTALL_DESTINATION ${PACKAGE_DIR})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/terrace-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/terrace-config.cmake ${PROJECT_BINARY_DIR}/terrace-config-version.cmake
-              cmake/FindLCM.cmake
+              cmake/FindLCM.cmake cmake/FindPolyclipping.cmake
         DESTINATION ${PACKAGE_DIR})
 configure_file(cmake/terrace-client.pc.in ${PROJECT_BINARY_DIR}/terrace-client.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/terrace-client.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

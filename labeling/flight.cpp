@@ -13,7 +13,8 @@ namespace {
 
 /// The front of a tread is worse known than the place of a face.
 constexpr double kTreadEdgeWeight = 0.3;
-/// The top and bottom of a face are worse known than the height of a level piece.
+/// The top of a face is worse known than the height of a level piece. Its foot is hidden by the step in front
+/// where the eye is lower, so that its middle says less.
 constexpr double kFaceHeightWeight = 0.2;
 
 /// Least squares of y = a + b x with weights; none when all x are equal.
@@ -64,7 +65,7 @@ std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepF
     const double weight = e.area_m2 / std::max(1e-9, area[{fit.step_index, e.riser}]);
     const double along = flight.frame->Unwrapped(e.along.low, flight.stride.EdgeAt(fit.step_index));
     if (e.riser) {
-      heights.push_back({fit.step_index - 0.5, e.z, kFaceHeightWeight * weight});
+      heights.push_back({static_cast<double>(fit.step_index), e.heights.high, kFaceHeightWeight * weight});
       edges.push_back({fit.step_index - 1.0, along, weight});
     } else {
       heights.push_back({static_cast<double>(fit.step_index), e.z, weight});
@@ -72,6 +73,7 @@ std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepF
     }
     if (e.riser == any_riser) widths.push_back(e.lateral);
   }
+  for (const LevelHeight& end : flight.ends) heights.push_back({static_cast<double>(end.level), end.z, 1.0});
   const auto z = FitLine(heights);
   const auto along = FitLine(edges);
   if (!z || !along) return std::nullopt;
@@ -119,7 +121,7 @@ std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::ve
   for (const StepFit& fit : flight.fits) {
     const StepElement& e = flight.elements[fit.element];
     const RegionShape& s = *shapes[e.shape];
-    members.push_back({e.shape, e.riser});
+    members.push_back({e.shape, e.riser, false, e.leaning});
     if (e.riser) {
       risers -= s.area_m2 * s.front();
     } else {

@@ -97,6 +97,8 @@ std::vector<FlightFramePtr> StraightFrames(const StaircaseConfig& config,
     const RegionShape& s = *shapes[c.shape];
     if (c.riser) {
       votes.push_back({-s.front(), s.area_m2});
+    } else if (c.leaning) {
+      votes.push_back({-s.plane.normal.head<2>().normalized(), s.area_m2});
     } else if (!c.spiral_only && s.rectangle.length_m > 1.5 * s.rectangle.depth_m) {
       votes.push_back({s.rectangle.short_axis(), s.area_m2});
       votes.push_back({-s.rectangle.short_axis(), s.area_m2});

@@ -21,6 +21,7 @@ constexpr double kFloorInTreads = 1.15;
 struct LevelBeside {
   Interval along;
   int level = 0;  ///< 0: at the foot of step 1
+  double z = 0.0;
   int shape = 0;
 };
 
@@ -43,7 +44,7 @@ std::optional<LevelBeside> MeasureLevel(const StaircaseConfig& config, const Reg
   const int level = static_cast<int>(std::lround((z - stride.z0) / stride.rise));
   if (std::abs(z - stride.z0 - level * stride.rise) > 1.5 * config.HeightTolerance(stride.rise))
     return std::nullopt;
-  return LevelBeside{along, level, 0};
+  return LevelBeside{along, level, z, 0};
 }
 
 /// All supports at heights that the law knows; pieces of one level that lie one behind the other are one.
@@ -114,12 +115,12 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
 
   // Supports at the right height that reach further than a tread does.
   FlightEnds ends;
-  std::optional<int> foot_level, head_level;
+  std::optional<LevelHeight> foot, head;
   double foot_gap = std::numeric_limits<double>::infinity();
   double head_gap = std::numeric_limits<double>::infinity();
   const double slack = 2.0 * config.edge_tolerance_m;
   const double long_enough = kLongerThanTread * stride.run;
-  for (const auto& [along, level, shape] : LevelsBeside(config, shapes, flight)) {
+  for (const auto& [along, level, z, shape] : LevelsBeside(config, shapes, flight)) {
     const bool at_feet = std::abs(stride.z0 + level * stride.rise - ground_z) < 0.3 * stride.rise;
     if (!at_feet && along.length() <= kFloorInTreads * stride.run) continue;
     const double edge = stride.EdgeAt(level);  // riser below this level
@@ -129,19 +130,21 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
     if (level >= highest - 1 && level <= highest + 1 && before > -slack && before < stride.run &&
         along.length() > long_enough && along.high > edge + long_enough && std::abs(before) < head_gap) {
       head_gap = std::abs(before);
-      head_level = level;
+      head = LevelHeight{level, z};
       ends.head_shape = shape;
     }
     if (level < lowest + 1 && level >= lowest - 4 && behind > -slack && behind < 4.0 * stride.run &&
         (at_feet || along.low < edge - 0.1 * stride.run) && std::abs(behind) < foot_gap) {
       foot_gap = std::abs(behind);
-      foot_level = level;
+      foot = LevelHeight{level, z};
       ends.foot_shape = shape;
     }
   }
-  ends.first_step = foot_level ? *foot_level + 1 : lowest;
-  ends.last_step = head_level ? *head_level : highest;
-  ends.ends_with_tread = !head_level && highest_is_tread;
+  ends.first_step = foot ? foot->level + 1 : lowest;
+  ends.last_step = head ? head->level : highest;
+  ends.ends_with_tread = !head && highest_is_tread;
+  if (foot) ends.heights.push_back(*foot);
+  if (head) ends.heights.push_back(*head);
   return ends;
 }
 

@@ -10,9 +10,10 @@ namespace terrace {
 
 /// Where a flight begins and ends: its steps are those from `first_step` to `last_step`.
 struct FlightEnds {
-  std::optional<int> foot_shape;  ///< floor before the first riser
-  std::optional<int> head_shape;  ///< landing above the last riser
-  int first_step = 0;             ///< counted as the flight's fits count
+  std::optional<int> foot_shape;     ///< floor before the first riser
+  std::optional<int> head_shape;     ///< landing above the last riser
+  std::vector<LevelHeight> heights;  ///< of both, where they meet the flight
+  int first_step = 0;                ///< counted as the flight's fits count
   int last_step = 0;
   bool ends_with_tread = false;  ///< a tread lies above the last riser, not a landing
 

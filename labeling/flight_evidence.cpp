@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -12,6 +13,30 @@ namespace {
 /// A step that a staircase has: its number, and whether it is the riser.
 using StepKey = std::pair<int, bool>;
 
+/// How values scatter about a line that was fitted to them, each with a standard deviation of its own.
+class LineScatter {
+ public:
+  /// @param share  of the fragments of one step, which count as one value together
+  void Add(double x, double departure, double sigma, double share) {
+    const double w = share / (sigma * sigma);
+    w_ += w;
+    wx_ += w * x;
+    wxx_ += w * x * x;
+    chi2_ += share * std::pow(departure / sigma, 2);
+    num_ += share;
+  }
+  /// Mean square of the departures in standard deviations. The line has two numbers; a few values scatter by
+  /// chance, so that two are counted which scatter as was known beforehand.
+  double reduced_chi2() const { return (chi2_ + 2.0) / std::max(1.0, num_); }
+  double SlopeSigma() const {
+    const double spread = wxx_ - wx_ * wx_ / std::max(1e-12, w_);
+    return std::sqrt(std::max(1.0, reduced_chi2()) / std::max(1e-12, spread));
+  }
+
+ private:
+  double w_ = 0.0, wx_ = 0.0, wxx_ = 0.0, chi2_ = 0.0, num_ = 0.0;
+};
+
 /// What the members of a flight say about it together.
 struct Evidence {
   std::vector<StepMember> members;  ///< ascending by shape
@@ -19,14 +44,12 @@ struct Evidence {
   int num_levels = 0;
   bool faces_tile = false;  ///< at least two faces reach from one step to the next
   bool sides_agree = false;
-  double chi2_z = 0.0;  ///< sum of squared departures over what each kind of member is good for
-  double chi2_along = 0.0;
-  int num_z = 0;
-  int num_along = 0;
+  LineScatter z;      ///< heights over step indices
+  LineScatter along;  ///< places of the edges over step indices
 };
 
-/// What single members are good for: the height of a tread; the middle height of a face, of which a part may
-/// be hidden; the place of a face; the front of a tread, which may be hidden.
+/// What single members are good for: the height of a tread; the top of a face; the place of a face; the front
+/// of a tread, which may be hidden.
 constexpr double kTreadHeightSigma = 0.006;
 constexpr double kFaceHeightSigma = 0.015;
 constexpr double kFacePlaceSigma = 0.010;
@@ -44,6 +67,9 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
   const Stride& stride = flight.stride;
   Evidence evidence;
   std::set<int> levels, whole_faces;
+  std::map<StepKey, double> area;  // of all fragments of a step
+  for (const StepFit& fit : flight.fits)
+    area[{fit.step_index, flight.elements[fit.element].riser}] += flight.elements[fit.element].area_m2;
   std::vector<Interval> sides;
   for (const StepFit& fit : flight.fits) {
     const StepElement& e = flight.elements[fit.element];
@@ -51,23 +77,26 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
     if (k < 1 || k > (e.riser ? ends.num_risers() : ends.num_treads())) continue;
     // A wall that goes on beside and above its riser in one plane shows the riser, but is a wall.
     const double in_riser_m2 = e.lateral.Overlap(stride.lateral) * stride.rise;
-    if (!e.riser || e.area_m2 <= 2.0 * in_riser_m2) evidence.members.push_back({e.shape, e.riser, k});
+    if (!e.riser || e.area_m2 <= 2.0 * in_riser_m2)
+      evidence.members.push_back({e.shape, e.riser, k, e.leaning});
     evidence.seen.insert({k, e.riser});
     levels.insert(k);
     sides.push_back(e.lateral);
+    const double share = e.area_m2 / std::max(1e-9, area[{fit.step_index, e.riser}]);
     const double edge = stride.EdgeAt(fit.step_index);
     const double along = flight.frame->Unwrapped(e.along.low, edge) - edge;
-    const double z = e.z - stride.z0 - (e.riser ? fit.step_index - 0.5 : fit.step_index) * stride.rise;
-    evidence.chi2_z += std::pow(z / (e.riser ? kFaceHeightSigma : kTreadHeightSigma), 2);
-    ++evidence.num_z;
+    const double level_z = e.riser ? e.heights.high : e.z;
+    evidence.z.Add(fit.step_index, level_z - stride.z0 - fit.step_index * stride.rise,
+                   e.riser ? kFaceHeightSigma : kTreadHeightSigma, share);
+    evidence.along.Add(fit.step_index, along, e.riser ? kFacePlaceSigma : kTreadFrontSigma, share);
     if (e.riser) {
       // The step in front hides a part of a face from below, a strip of a neighbour makes it higher.
-      const double share = e.heights.length() / stride.rise;
-      if (share > 0.55 && share < 1.3) whole_faces.insert(k);
-      evidence.chi2_along += std::pow(along / kFacePlaceSigma, 2);
-      ++evidence.num_along;
+      const double whole = e.heights.length() / stride.rise;
+      if (whole > 0.55 && whole < 1.3) whole_faces.insert(k);
     }
   }
+  for (const LevelHeight& end : flight.ends)
+    evidence.z.Add(end.level, end.z - stride.z0 - end.level * stride.rise, kTreadHeightSigma, 1.0);
   std::sort(evidence.members.begin(), evidence.members.end(),
             [](const StepMember& a, const StepMember& b) { return a.shape < b.shape; });
   evidence.num_levels = static_cast<int>(levels.size());
@@ -104,13 +133,11 @@ bool StandsFree(const FlightModel& model, int num_risers, const Sight& sight) {
   return in_view(model.lateral.low - kBeside) && in_view(model.lateral.high + kBeside);
 }
 
-/// Standard deviation of the slope of a line through values, one a level, each with a standard deviation.
-double SlopeSigma(double sigma_m, double chi2, int num, double num_levels) {
-  // The law has two numbers; a few values scatter by chance, so that what was known beforehand counts as two.
-  const double scatter2 = (chi2 + 2.0) / std::max(1.0, num - 2.0 + 2.0);
-  const double spread2 =
-      num_levels * (num_levels * num_levels - 1.0) / 12.0;  // of 1, 2, ... about their mean
-  return sigma_m * std::sqrt(std::max(1.0, scatter2) / std::max(0.5, spread2));
+/// Of a spiral the run is measured at the middle of the width, which is as well known as its ends are seen.
+double RunSigma(const Evidence& evidence, const FlightModel& model) {
+  constexpr double kMiddleSigma = 0.06;
+  const double at_radius = evidence.along.SlopeSigma();
+  return model.spiral ? std::hypot(at_radius, model.run_m / model.radius_m * kMiddleSigma) : at_radius;
 }
 
 /// True when most members are seen so well that what they say of a step can be relied on: noise moves them by
@@ -171,13 +198,11 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   found.foot_shape = ends.foot_shape;
   found.head_shape = ends.head_shape;
   found.members = std::move(evidence.members);
-  const double levels = evidence.num_levels;
-  found.rise_sigma_m = SlopeSigma(kTreadHeightSigma, evidence.chi2_z, evidence.num_z, levels);
-  found.run_sigma_m = any_riser ? SlopeSigma(kFacePlaceSigma, evidence.chi2_along, evidence.num_along, levels)
-                                : SlopeSigma(kTreadFrontSigma, 0.0, 2, levels);
+  found.rise_sigma_m = evidence.z.SlopeSigma();
+  found.run_sigma_m = RunSigma(evidence, found.model);
   const int num_agreeing = sharp ? num_agreements : 0;
   const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreeing - 1.0));
-  const double scatter2 = evidence.chi2_z / evidence.num_z * std::pow(kTreadHeightSigma, 2);
+  const double scatter2 = evidence.z.reduced_chi2() * std::pow(kTreadHeightSigma, 2);
   const double good = std::exp(-0.25 * scatter2 / std::pow(config.HeightTolerance(stride.rise), 2));
   found.confidence = std::clamp(enough * good * (0.6 + 0.4 * seen), 0.0, 1.0);
   if (found.confidence < (known ? 0.6 : 1.0) * config.min_confidence) return std::nullopt;

@@ -53,7 +53,7 @@ Flight Turned(const StaircaseConfig& config, const std::vector<RegionShapePtr>& 
 
 std::optional<Flight> BestFlight(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,
                                  const std::vector<StepCandidate>& candidates, const FlightFramePtr& frame) {
-  Flight flight{frame, MeasureSteps(config, shapes, candidates, *frame), {}, {}, 0.0};
+  Flight flight{frame, MeasureSteps(config, shapes, candidates, *frame), {}, {}, {}, 0.0};
   StrideContest contest(config, *frame, flight.elements);
   for (const StepElement& low : flight.elements) {
     for (const StepElement& high : flight.elements) {

@@ -21,6 +21,7 @@ std::optional<FoundStaircase> Complete(const StaircaseConfig& config,
   if (flight->fits.empty()) return std::nullopt;
   const FlightEnds ends = FindFlightEnds(config, shapes, *flight, sight.ground_z);
   const int last_tread = ends.first_step + ends.num_treads() - 1;
+  flight->ends = ends.heights;
   RefineWithin(config, ends.first_step, ends.last_step, last_tread, *flight);
   return WeighFlight(config, shapes, *flight, ends, sight, known);
 }

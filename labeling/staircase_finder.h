@@ -15,7 +15,8 @@ namespace terrace {
 struct StepMember {
   int shape = 0;  ///< index into the shapes searched
   bool riser = false;
-  int step_index = 0;  ///< riser 1 is the lowest, tread 1 lies above riser 1
+  int step_index = 0;    ///< riser 1 is the lowest, tread 1 lies above riser 1
+  bool leaning = false;  ///< evidence of the step, but no region to step on
 };
 
 /// A staircase among the shapes of one map.

@@ -10,7 +10,8 @@ namespace {
 
 std::vector<StepPlace> PlacesOf(const FoundStaircase& found, const std::vector<RegionShapePtr>& shapes) {
   std::vector<StepPlace> places;
-  for (const StepMember& m : found.members) places.push_back({shapes[m.shape]->id(), m.riser, m.step_index});
+  for (const StepMember& m : found.members)
+    places.push_back({shapes[m.shape]->id(), m.riser, m.step_index, m.leaning});
   return places;  // shapes ascend by id, and so do members
 }
 
@@ -62,7 +63,8 @@ Staircase Publish(const TrackedStaircase& tracked, const Eigen::Matrix3d& R_leve
   s.turn_per_step_rad = m.spiral ? m.turn_sign * m.run_m / m.radius_m : 0.0;
   s.pitch_rad = std::atan2(m.rise_m, m.run_m);
   s.confidence = tracked.found.confidence;
-  for (const StepPlace& place : tracked.places) s.region_ids.push_back(place.region);
+  for (const StepPlace& place : tracked.places)
+    if (!place.leaning) s.region_ids.push_back(place.region);
   return s;
 }
 

@@ -4,8 +4,22 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "labeling/slope_evidence.h"
 
 namespace terrace {
+
+namespace {
+
+/// True when an incline may be a strip of a tread that was merged with those of its neighbours: it departs
+/// from its plane, as a level strip does, and lies across the slope.
+bool MayBeStripOfTread(const StaircaseConfig& config, const RegionShape& s) {
+  if (s.lean != Lean::kSupport && s.lean != Lean::kSteep) return false;
+  if (!CouldBeStairs(s, config) || JudgeSlope(s, config) != SlopeEvidence::kNotPlane) return false;
+  const Eigen::Vector2d uphill = -s.plane.normal.head<2>().normalized();
+  return std::abs(s.rectangle.short_axis().dot(uphill)) >= std::cos(Radians(config.max_turn_deg));
+}
+
+}  // namespace
 
 std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
                                           const std::vector<RegionShapePtr>& shapes) {
@@ -21,7 +35,10 @@ std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
   for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
     const RegionShape& s = *shapes[i];
     if (s.rectangle.length_m < kMinLength) continue;
-    if (s.lean == Lean::kUpright) {
+    if (MayBeStripOfTread(config, s)) {
+      const double depth = s.rectangle.depth_m;
+      if (depth >= kMinDepth && depth <= config.max_tread_m) candidates.push_back({i, false, false, true});
+    } else if (s.lean == Lean::kUpright) {
       const double height = s.face_heights.length();
       if (height >= kMinFaceHeight && height <= max_face) candidates.push_back({i, true});
     } else if (s.lean == Lean::kSupport) {
@@ -47,12 +64,16 @@ std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
     const RegionShape& s = *shapes[c.shape];
     const Eigen::Vector2d up = frame.UpAt(s.rectangle.center);
     if (c.riser && -s.front().dot(up) < min_cos_riser) continue;
+    // It leans as the flight does.
+    if (c.leaning && (frame.spiral() || -s.plane.normal.head<2>().normalized().dot(up) < min_cos_riser))
+      continue;
     if (!c.riser && !frame.spiral() && s.rectangle.length_m > 2.0 * s.rectangle.depth_m &&
         std::abs(s.rectangle.short_axis().dot(up)) < min_cos_tread)
       continue;
     StepElement e;
     e.shape = c.shape;
     e.riser = c.riser;
+    e.leaning = c.leaning;
     e.lateral = frame.LateralExtent(s);
     e.along = frame.AlongExtent(s, e.lateral);
     if (c.riser) e.along = {e.along.middle(), e.along.middle()};

@@ -14,6 +14,9 @@ struct StepCandidate {
   int shape = 0;
   bool riser = false;
   bool spiral_only = false;  ///< too deep for a straight tread, but a wedge is deeper at its outer end
+  /// Strips of treads that merged into one incline, seen over the edges of the steps above: its middle is as
+  /// high as the tread. Evidence of a step, but no region to step on.
+  bool leaning = false;
 };
 
 /// What may be riser or tread, by its own form alone.
@@ -24,6 +27,7 @@ std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
 struct StepElement {
   int shape = 0;
   bool riser = false;
+  bool leaning = false;
   Interval along;  ///< of a riser: its middle, twice
   Interval lateral;
   Interval heights;

@@ -8,6 +8,7 @@
 #include "core/angles.h"
 #include "labeling/edge_kinds.h"
 #include "labeling/label_rules.h"
+#include "labeling/predicted_regions.h"
 #include "labeling/reachability.h"
 #include "labeling/region_record.h"
 #include "labeling/shape_table.h"
@@ -44,7 +45,7 @@ std::map<PolygonId, InStaircase> StairRegions(const std::vector<TrackedStaircase
   std::map<PolygonId, InStaircase> regions;
   for (const TrackedStaircase& s : staircases)
     for (const StepPlace& place : s.places)
-      regions.emplace(place.region, InStaircase{s.id, place, s.published.confidence});
+      if (!place.leaning) regions.emplace(place.region, InStaircase{s.id, place, s.published.confidence});
   return regions;
 }
 
@@ -136,9 +137,13 @@ class TerrainLabeler::Impl {
       TellRegion(i, verdicts[i], step != stairs.end() ? &step->second : nullptr, cap);
     }
     CollectRegions(stairs, *map);
+    predicted_.Update(tracker_.confirmed(), table_, cap);
+    map->regions.insert(map->regions.end(), predicted_.regions().begin(), predicted_.regions().end());
     for (const TrackedStaircase& s : tracker_.confirmed()) {
-      map->staircases.push_back(s.published);
-      map->staircases.back().confidence = std::min(s.published.confidence, cap);
+      Staircase& told = map->staircases.emplace_back(s.published);
+      told.confidence = std::min(s.published.confidence, cap);
+      for (const auto& region : predicted_.regions())
+        if (region->staircase_id == s.id) told.region_ids.push_back(region->id);
     }
     map->seq = map_->seq + (Differs(*map, *map_) ? 1 : 0);
     map_ = map;
@@ -197,6 +202,7 @@ class TerrainLabeler::Impl {
   ViewMemory views_;
   StaircaseFinder finder_;
   StaircaseTracker tracker_;
+  PredictedRegions predicted_;
   std::map<PolygonId, RegionRecord> records_;
   std::int64_t num_frames_ = 0;
   TerrainMapPtr map_;

@@ -7,13 +7,15 @@ namespace terrace {
 
 void FrameLeaves::Clear(int width) {
   leaves_.clear();
+  last_ = 0;
   above_.assign(static_cast<std::size_t>(width / kColumn) + 1, 0);
   ++generation_;
 }
 
 FrameLeaf& FrameLeaves::At(LeafAddress address, int u) {
   std::uint32_t& above = above_[static_cast<std::size_t>(u / kColumn)];
-  if (above < leaves_.size() && leaves_[above].address == address) return leaves_[above];
+  if (above < leaves_.size() && leaves_[above].address == address) return leaves_[last_ = above];
+  if (last_ < leaves_.size() && leaves_[last_].address == address) return leaves_[above = last_];
   if (leaves_.size() * 2 >= slots_.size()) Grow();
   Slot& slot = Find(address);
   if (slot.generation != generation_) {
@@ -21,7 +23,7 @@ FrameLeaf& FrameLeaves::At(LeafAddress address, int u) {
     slot = {address, place, generation_, static_cast<std::uint32_t>(leaves_.size())};
     leaves_.push_back({address, {}, place});
   }
-  above = slot.index;
+  above = last_ = slot.index;
   return leaves_[slot.index];
 }
 
@@ -30,11 +32,22 @@ std::int64_t FrameLeaves::memory_bytes() const {
                                    above_.capacity() * sizeof(std::uint32_t));
 }
 
+/// A leaf's slot is one of a few beside each other, so that several leaves of earlier frames are remembered
+/// beside those of this one; the oldest gives way. Only where all are taken by this frame the next few are
+/// asked.
 FrameLeaves::Slot& FrameLeaves::Find(LeafAddress address) {
-  const std::size_t mask = slots_.size() - 1;
+  const std::size_t mask = slots_.size() - kWays;
   std::size_t at = (address.packed * 0x9E3779B97F4A7C15ULL) >> 20 & mask;
-  while (slots_[at].generation == generation_ && slots_[at].address != address) at = (at + 1) & mask;
-  return slots_[at];
+  while (true) {
+    Slot* const slots = &slots_[at];
+    Slot* oldest = slots;
+    for (Slot* slot = slots; slot != slots + kWays; ++slot) {
+      if (slot->address == address) return *slot;
+      if (slot->generation < oldest->generation) oldest = slot;
+    }
+    if (oldest->generation != generation_) return *oldest;
+    at = (at + kWays) & mask;
+  }
 }
 
 void FrameLeaves::Grow() {

@@ -56,9 +56,11 @@ class FrameLeaves {
   std::vector<Slot> slots_;
   std::vector<FrameLeaf> leaves_;
   std::vector<std::uint32_t> above_;  // by column: the leaf of the point last seen there
+  std::uint32_t last_ = 0;            // of the point before
   std::uint32_t generation_ = 1;
 
-  static constexpr int kColumn = 4;  // pixels; a leaf is seldom narrower
+  static constexpr std::size_t kWays = 4;  // slots that a leaf may have
+  static constexpr int kColumn = 4;        // pixels; a leaf is seldom narrower
 };
 
 }  // namespace terrace

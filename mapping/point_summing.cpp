@@ -6,15 +6,10 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "core/rounding.h"
 
 namespace terrace {
 namespace {
-
-/// std::floor without a call into the C library; |x| below 2^31.
-int Floor(float x) {
-  const int towards_zero = static_cast<int>(x);
-  return towards_zero - static_cast<int>(static_cast<float>(towards_zero) > x);
-}
 
 /// False for anything that is not a number.
 bool InImage(const CloudPoint& point, const StereoCamera& camera) {
@@ -79,7 +74,7 @@ void SumPoints(const Cloud& cloud, const StereoCamera& camera, const Eigen::Isom
     if (!(InImage(point, camera) && variance > 0.0F && within(p.x()) && within(p.y()) && within(p.z())))
       continue;
     const int level = levels.At(point.p_left.z());
-    const Eigen::Vector3i floor(Floor(p.x()), Floor(p.y()), Floor(p.z()));
+    const Eigen::Vector3i floor(FloorToInt(p.x()), FloorToInt(p.y()), FloorToInt(p.z()));
     LeafIndex corner = camera_leaf + floor;
     Eigen::Vector3f offset =
         p - floor.cast<float>() - Eigen::Vector3f::Constant(0.5F * static_cast<float>(1 << level));

@@ -1,42 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polygonization/evidence_grid.h"
 
-#include <limits>
+#include <cstdlib>
+#include <set>
 #include <utility>
 
 namespace terrace {
-namespace {
 
-/// Rounds towards minus infinity.
-int BlockOf(int cell) {
-  constexpr int n = EvidenceGrid::kBlockCells;
-  return (cell >= 0 ? cell : cell - n + 1) / n;
-}
-
-}  // namespace
-
-EvidenceGrid::BlockKey EvidenceGrid::KeyOf(int x, int y) { return {BlockOf(x), BlockOf(y)}; }
-
-int EvidenceGrid::CellIndex(double coordinate_m) const {
-  const double cells = coordinate_m / cell_m_;
-  const int towards_zero = static_cast<int>(cells);
-  return towards_zero - static_cast<int>(static_cast<double>(towards_zero) > cells);
+void EvidenceGrid::Opener::OpenGroups(const Eigen::Vector2i& low, const Eigen::Vector2i& high) {
+  for (int y = low.y(); y <= high.y(); ++y) {
+    for (int x = low.x(); x <= high.x(); ++x) {
+      const BlockKey key = KeyOf(x * kGroupCells, y * kGroupCells);
+      if (block_ == nullptr || key != key_) {
+        block_ = &grid_.MakeBlock(key);
+        key_ = key;
+      }
+      block_->OpenGroup(x * kGroupCells - key.first * kBlockCells,
+                        y * kGroupCells - key.second * kBlockCells);
+    }
+  }
 }
 
 void EvidenceGrid::Open(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
-  const int x1 = CellIndex(high.x()), y1 = CellIndex(high.y());
-  // From the first cell of the first group on.
-  const auto first = [](int cell) { return cell - (cell % kGroupCells + kGroupCells) % kGroupCells; };
-  Block* block = nullptr;
-  BlockKey last{std::numeric_limits<int>::min(), 0};
-  for (int y = first(CellIndex(low.y())); y <= y1; y += kGroupCells) {
-    for (int x = first(CellIndex(low.x())); x <= x1; x += kGroupCells) {
-      const BlockKey key = KeyOf(x, y);
-      if (key != last) block = &MakeBlock(key);
-      last = key;
-      block->OpenGroup(x - key.first * kBlockCells, y - key.second * kBlockCells);
-    }
-  }
+  const auto group_at = [&](const Eigen::Vector2d& p) {
+    return Eigen::Vector2i(FloorToInt(p.x() / group_m()), FloorToInt(p.y() / group_m()));
+  };
+  Opener(this).OpenGroups(group_at(low), group_at(high));
 }
 
 std::pair<EvidenceGrid::BlockKey, Eigen::Vector2i> EvidenceGrid::Locate(const Eigen::Vector2d& p) const {
@@ -49,6 +38,46 @@ int EvidenceGrid::At(const Eigen::Vector2d& p) const {
   const auto [key, cell] = Locate(p);
   const auto found = blocks_.find(key);
   return found == blocks_.end() ? 0 : found->second.At(cell.x(), cell.y());
+}
+
+int EvidenceGrid::Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other_from_this) {
+  const Eigen::Affine2d this_from_other = other_from_this.inverse();
+  std::set<BlockKey> covered;
+  for (const auto& [key, block] : other.blocks_) {
+    if (block.num_looks == 0) continue;
+    const Eigen::Vector2d corner = other.block_m() * Eigen::Vector2d(key.first, key.second);
+    for (const Eigen::Vector2d& share :
+         {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(1.0, 0.0), Eigen::Vector2d(0.0, 1.0),
+          Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(0.5, 0.5)}) {
+      const Eigen::Vector2d p = this_from_other * (corner + other.block_m() * share);
+      covered.insert(KeyOf(CellIndex(p.x()), CellIndex(p.y())));
+    }
+  }
+  // One cell of this grid on, in cells of the other.
+  const Eigen::Matrix2d step = other_from_this.linear() * (cell_m_ / other.cell_m_);
+  Reader theirs(other);
+  int num_on = 0;
+  for (const BlockKey& key : covered) {
+    Block& block = MakeBlock(key);
+    const Eigen::Vector2d first(key.first * kBlockCells + 0.5, key.second * kBlockCells + 0.5);
+    const Eigen::Vector2d row_start = other_from_this * (cell_m_ * first) / other.cell_m_;
+    for (int y = 0; y < kBlockCells; ++y) {
+      for (int x = 0; x < kBlockCells; ++x) {
+        const Eigen::Vector2d q = row_start + x * step.col(0) + y * step.col(1);
+        const int i = FloorToInt(q.x()), j = FloorToInt(q.y());
+        const Block* their_block = theirs.BlockAt(i, j);
+        if (their_block == nullptr) continue;
+        const int bx = i & (kBlockCells - 1), by = j & (kBlockCells - 1);
+        if (their_block->IsOpen(bx, by)) block.OpenGroup(x, y);
+        const std::int8_t known = their_block->At(bx, by);
+        std::int8_t& ours = block.At(x, y);
+        if (std::abs(known) <= std::abs(ours)) continue;
+        num_on += ours < kOn && known >= kOn;
+        ours = known;
+      }
+    }
+  }
+  return num_on;
 }
 
 }  // namespace terrace

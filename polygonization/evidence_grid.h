@@ -4,13 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <limits>
 #include <map>
 #include <utility>
 
 #include <Eigen/Geometry>
 
+#include "core/rounding.h"
 #include "core/time.h"
 
 namespace terrace {
@@ -53,7 +52,21 @@ class EvidenceGrid {
   Blocks& blocks() { return blocks_; }
   const Blocks& blocks() const { return blocks_; }
 
-  /// Takes evidence in the box from low to high from now on.
+  double group_m() const { return cell_m_ * kGroupCells; }
+  /// Takes evidence in boxes from now on. Boxes that follow each other mostly lie in one block, which is
+  /// looked up once.
+  class Opener {
+   public:
+    explicit Opener(EvidenceGrid* grid) : grid_(*grid) {}
+    /// The groups from low to high; their numbers are those of their first cells over kGroupCells.
+    void OpenGroups(const Eigen::Vector2i& low, const Eigen::Vector2i& high);
+
+   private:
+    EvidenceGrid& grid_;
+    Block* block_ = nullptr;
+    BlockKey key_{};  // of `block_`
+  };
+  /// All groups that the box from low to high touches [m].
   void Open(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
   /// Takes evidence nowhere until it is opened again; what is known stays.
   void Close() {
@@ -66,16 +79,44 @@ class EvidenceGrid {
             block_m() * (extent_.max() + Eigen::Vector2i::Ones()).cast<double>()};
   }
 
-  int CellIndex(double coordinate_m) const;
+  int CellIndex(double coordinate_m) const { return FloorToInt(coordinate_m / cell_m_); }
   /// The block that a point lies in, and the cell there.
   std::pair<BlockKey, Eigen::Vector2i> Locate(const Eigen::Vector2d& p) const;
   /// Of the cell that holds a point; 0 where nothing is known.
   int At(const Eigen::Vector2d& p) const;
 
-  /// Takes over what another grid knows where this one knows less; `to_other` maps points of this grid's
-  /// plane to the other's, and `from_other` back.
-  template <typename ToOther, typename FromOther>
-  void Adopt(const EvidenceGrid& other, const ToOther& to_other, const FromOther& from_other);
+  /// Takes over what another grid knows where this one knows less.
+  /// @param other_from_this  maps points of this grid's plane to those of the other's
+  /// @return how many cells belong to the surface only since
+  int Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other_from_this);
+
+  /// Answers as At() does, for points that mostly lie near each other, while the grid stays as it is.
+  class Reader {
+   public:
+    explicit Reader(const EvidenceGrid& grid) : grid_(grid) {}
+    int At(const Eigen::Vector2d& p) { return AtCell(grid_.CellIndex(p.x()), grid_.CellIndex(p.y())); }
+    int AtCell(int x, int y) {
+      const Block* block = BlockAt(x, y);
+      return block == nullptr ? 0 : block->At(x & (kBlockCells - 1), y & (kBlockCells - 1));
+    }
+    /// Null where nothing is known.
+    const Block* BlockAt(int x, int y) {
+      const BlockKey key = KeyOf(x, y);
+      if (!looked_up_ || key != key_) {
+        const auto found = grid_.blocks_.find(key);
+        block_ = found == grid_.blocks_.end() ? nullptr : &found->second;
+        key_ = key;
+        looked_up_ = true;
+      }
+      return block_;
+    }
+
+   private:
+    const EvidenceGrid& grid_;
+    const Block* block_ = nullptr;
+    BlockKey key_{};  // of `block_`
+    bool looked_up_ = false;
+  };
 
   std::int64_t memory_bytes() const {
     // A node of the map holds three pointers and a colour beside its content.
@@ -87,53 +128,16 @@ class EvidenceGrid {
     extent_.extend(Eigen::Vector2i(key.first, key.second));
     return blocks_[key];
   }
-  static BlockKey KeyOf(int x, int y);
+  /// Rounds towards minus infinity.
+  static constexpr int BlockOf(int cell) { return cell >> kBlockShift; }
+  static BlockKey KeyOf(int x, int y) { return {BlockOf(x), BlockOf(y)}; }
+
+  static constexpr int kBlockShift = 4;
+  static_assert(1 << kBlockShift == kBlockCells);
 
   double cell_m_;
   Blocks blocks_;
   Eigen::AlignedBox2i extent_;  // of the keys
 };
-
-template <typename ToOther, typename FromOther>
-void EvidenceGrid::Adopt(const EvidenceGrid& other, const ToOther& to_other, const FromOther& from_other) {
-  std::map<BlockKey, bool> covered;
-  for (const auto& [key, block] : other.blocks_) {
-    if (block.num_looks == 0) continue;
-    const Eigen::Vector2d corner = other.block_m() * Eigen::Vector2d(key.first, key.second);
-    for (const double dx : {0.0, 1.0}) {
-      for (const double dy : {0.0, 1.0}) {
-        const Eigen::Vector2d p = from_other(corner + other.block_m() * Eigen::Vector2d(dx, dy));
-        covered[KeyOf(CellIndex(p.x()), CellIndex(p.y()))] = true;
-      }
-    }
-    const Eigen::Vector2d middle = from_other(corner + 0.5 * other.block_m() * Eigen::Vector2d::Ones());
-    covered[KeyOf(CellIndex(middle.x()), CellIndex(middle.y()))] = true;
-  }
-  const Block* their_block = nullptr;
-  BlockKey last_key{std::numeric_limits<int>::min(), 0};
-  for (const auto& [key, unused] : covered) {
-    Block& block = MakeBlock(key);
-    for (int y = 0; y < kBlockCells; ++y) {
-      for (int x = 0; x < kBlockCells; ++x) {
-        const Eigen::Vector2d p =
-            cell_m_ * Eigen::Vector2d(key.first * kBlockCells + x + 0.5, key.second * kBlockCells + y + 0.5);
-        const Eigen::Vector2d q = to_other(p);
-        const int i = other.CellIndex(q.x()), j = other.CellIndex(q.y());
-        const BlockKey their_key = KeyOf(i, j);
-        if (their_key != last_key) {
-          last_key = their_key;
-          const auto found = other.blocks_.find(their_key);
-          their_block = found == other.blocks_.end() ? nullptr : &found->second;
-        }
-        if (their_block == nullptr) continue;
-        const int bx = i - their_key.first * kBlockCells, by = j - their_key.second * kBlockCells;
-        const int theirs = their_block->At(bx, by);
-        if (their_block->IsOpen(bx, by)) block.OpenGroup(x, y);
-        std::int8_t& ours = block.At(x, y);
-        if (std::abs(theirs) > std::abs(ours)) ours = static_cast<std::int8_t>(theirs);
-      }
-    }
-  }
-}
 
 }  // namespace terrace

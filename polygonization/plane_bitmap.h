@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
-
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "core/rounding.h"
 #include "polygonization/evidence_grid.h"
 
 namespace terrace {
@@ -19,8 +18,7 @@ struct PlaneBitmap {
 
   Eigen::Vector2d CentreOf(int x, int y) const { return low + pixel_m * Eigen::Vector2d(x + 0.5, y + 0.5); }
   cv::Point PixelAt(const Eigen::Vector2d& p) const {
-    return {static_cast<int>(std::floor((p.x() - low.x()) / pixel_m)),
-            static_cast<int>(std::floor((p.y() - low.y()) / pixel_m))};
+    return {FloorToInt((p.x() - low.x()) / pixel_m), FloorToInt((p.y() - low.y()) / pixel_m)};
   }
   bool Holds(const cv::Point& pixel) const {
     return pixel.x >= 0 && pixel.y >= 0 && pixel.x < on.cols && pixel.y < on.rows;

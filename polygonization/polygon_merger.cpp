@@ -19,20 +19,27 @@
 namespace terrace {
 namespace {
 
-/// A surface is traced again after so many frames at the earliest, one more for every so many cells of it,
-/// and at the latest after so many: tracing costs as much as the surface is large, while its plane follows
-/// every frame.
+/// Tracing costs as much as the surface is large, while its plane follows every frame. Where cells of the evidence
+/// came or went by as many as these, a surface is traced again after a few frames, more where it is large;
+/// where less has changed, it waits longer.
 constexpr FrameId kLeastPatience = 3;
-constexpr FrameId kCellsPerFrame = 8;
+constexpr FrameId kCellsPerFrame = 24;
+constexpr FrameId kLargePatience = 6;
 constexpr FrameId kMostPatience = 10;
-/// So many cells of evidence that came or went are worth tracing a surface anew; more where it is large.
 constexpr int kFlippedCells = 24;
-constexpr int kFlippedPerCell = 8;
+constexpr int kFlippedPerCell = 4;
+
+/// Whether the evidence differs from what was traced by as much as is worth tracing anew.
+bool HasOtherShape(const Surface& surface) {
+  return surface.num_flipped >= kFlippedCells + kFlippedPerCell * static_cast<int>(surface.cells.size());
+}
 
 bool MayWait(const Surface& surface, FrameId frame_id) {
   if (surface.trace_now || surface.cells.empty()) return false;
-  const FrameId patience = std::min<FrameId>(
-      kMostPatience, kLeastPatience + static_cast<FrameId>(surface.cells.size()) / kCellsPerFrame);
+  const auto num_cells = static_cast<FrameId>(surface.cells.size());
+  const FrameId patience = HasOtherShape(surface)
+                               ? std::min(kLargePatience, kLeastPatience + num_cells / kCellsPerFrame)
+                               : kMostPatience;
   return frame_id - surface.traced_frame < patience;
 }
 
@@ -84,8 +91,7 @@ class PolygonMerger::Impl {
       const LookResult found =
           look.At(surface.plane_world, surface.Frame(), surface.noise_m, &surface.evidence);
       surface.num_flipped += found.num_flipped;
-      if (surface.num_flipped >= kFlippedCells + kFlippedPerCell * static_cast<int>(surface.cells.size()))
-        store_.touched().insert(id);
+      if (HasOtherShape(surface)) store_.touched().insert(id);
       if (found.num_on > 0) in_view_.push_back(id);
     }
   }
@@ -100,6 +106,8 @@ class PolygonMerger::Impl {
       const auto found = store_.surfaces().find(id);
       if (found == store_.surfaces().end()) continue;
       Surface& surface = found->second;
+      // It grows into a polygon, or goes.
+      if (surface.polygons.empty() && !surface.cells.empty() && surface.area_m2 < config_.min_area_m2) continue;
       if (MayWait(surface, update->frame_id)) {
         late_.insert(id);
         for (std::size_t i = 0; i < surface.pieces.size(); ++i)

@@ -28,6 +28,9 @@ constexpr double kMostCut_m = 0.4;
 /// A gap before the line is closed up to here.
 constexpr double kFill_m = 0.035;
 constexpr double kLeastStretch_m = 0.04;
+/// A pixel holds a point of every square grid as fine as this, however the grid is turned: half its diagonal is
+/// less than half a pixel.
+constexpr double kStride_px = 0.7;
 
 enum class Keep { kNothing, kFront, kBehind, kBoth };
 
@@ -75,7 +78,11 @@ std::optional<std::pair<double, double>> Within(const JointLine& line, const Eig
 class Joint {
  public:
   Joint(const Surface& surface, const Surface& other, const JointLine& line, PlaneBitmap* bitmap)
-      : frame_(surface.Frame()), other_frame_(other.Frame()), other_(other), line_(line), bitmap_(*bitmap) {
+      : frame_(surface.Frame()),
+        other_frame_(other.Frame()),
+        other_evidence_(other.evidence),
+        line_(line),
+        bitmap_(*bitmap) {
     const Eigen::Vector3d& n = other.plane_world.normal;
     const Eigen::Vector3d& own = surface.plane_world.normal;
     const Eigen::Vector3d up = (own - own.dot(n) * n).normalized();
@@ -85,7 +92,6 @@ class Joint {
 
   /// Cuts along the stretch [from, to] of the line, and appends where it did.
   void Cut(double from_m, double to_m, std::vector<EdgeLine>* lines) {
-    const double step = 0.5 * bitmap_.pixel_m;
     double began = from_m, last = from_m;
     Keep keep_before = Keep::kNothing;
     const auto end_stretch = [&] {
@@ -93,7 +99,7 @@ class Joint {
       if (one_side && last - began >= kLeastStretch_m)
         lines->push_back({line_.point, line_.along, began, last});
     };
-    for (double t = from_m; t <= to_m; t += step) {
+    for (double t = from_m; t <= to_m; t += kStride_px * bitmap_.pixel_m) {
       const Eigen::Vector2d at = line_.point + t * line_.along;
       const Keep keep = Decide(at);
       if (keep != keep_before) {
@@ -109,7 +115,7 @@ class Joint {
 
  private:
   /// On which sides of the line this surface goes on at one point of it.
-  Keep Decide(const Eigen::Vector2d& at) const {
+  Keep Decide(const Eigen::Vector2d& at) {
     int front = 0, behind = 0;
     for (const double d : kProbes_m) {
       front += bitmap_.OnAt(at + scale_ * d * line_.to_front);
@@ -119,8 +125,8 @@ class Joint {
     const Eigen::Vector2d on_other = other_frame_.ToPlane(frame_.ToWorld(at));
     bool above = false, below = false;  // the other surface, seen from this one
     for (const double d : kBeside_m) {
-      above = above || other_.evidence.At(on_other + d * up_other_) >= EvidenceGrid::kOn;
-      below = below || other_.evidence.At(on_other - d * up_other_) >= EvidenceGrid::kOn;
+      above = above || other_evidence_.At(on_other + d * up_other_) >= EvidenceGrid::kOn;
+      below = below || other_evidence_.At(on_other - d * up_other_) >= EvidenceGrid::kOn;
     }
     if (!above && !below) return Keep::kNothing;
     if (front >= behind + kClearly) return Keep::kFront;
@@ -131,7 +137,7 @@ class Joint {
   }
 
   void Paint(const Eigen::Vector2d& at, Keep keep) {
-    const double step = 0.5 * bitmap_.pixel_m;
+    const double step = kStride_px * bitmap_.pixel_m;
     if (keep == Keep::kBoth) {
       for (double d = -bitmap_.pixel_m; d <= bitmap_.pixel_m; d += step) Bar(at + d * line_.to_front, 0.75);
       return;
@@ -166,7 +172,7 @@ class Joint {
   }
 
   const PlaneFrame frame_, other_frame_;
-  const Surface& other_;
+  EvidenceGrid::Reader other_evidence_;
   const JointLine& line_;
   PlaneBitmap& bitmap_;
   Eigen::Vector2d up_other_;  // in the other plane, away from the line on the seen side of this one

@@ -8,6 +8,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "core/rounding.h"
+
 namespace terrace {
 namespace {
 
@@ -36,28 +38,39 @@ std::int64_t BytesOf(const Patch& patch) {
   return static_cast<std::int64_t>(patch.footprints.size() * sizeof(Footprint));
 }
 
-void AdoptEvidence(const PlaneFrame& theirs, const EvidenceGrid& evidence, Surface* to) {
+/// @return cells that belong to the surface only since
+int AdoptEvidence(const PlaneFrame& theirs, const EvidenceGrid& evidence, Surface* to) {
   const PlaneFrame ours = to->Frame();
-  to->evidence.Adopt(
-      evidence, [&](const Eigen::Vector2d& p) { return theirs.ToPlane(ours.ToWorld(p)); },
-      [&](const Eigen::Vector2d& p) { return ours.ToPlane(theirs.ToWorld(p)); });
+  const auto map = [&](const Eigen::Vector2d& p) { return theirs.ToPlane(ours.ToWorld(p)); };
+  Eigen::Affine2d theirs_from_ours = Eigen::Affine2d::Identity();
+  theirs_from_ours.translation() = map(Eigen::Vector2d::Zero());
+  theirs_from_ours.linear() << map(Eigen::Vector2d::UnitX()) - theirs_from_ours.translation(),
+      map(Eigen::Vector2d::UnitY()) - theirs_from_ours.translation();
+  return to->evidence.Adopt(evidence, theirs_from_ours);
 }
 
 /// Takes evidence where the leaves of a member lie, and a little around them.
 void OpenEvidence(const CellMembers& cell, const Member& member, Surface* surface) {
   constexpr double kAround_m = 0.01;
   const PlaneFrame frame = surface->Frame();
-  const Eigen::Matrix<float, 2, 3> to_axes =
-      (Eigen::Matrix<double, 2, 3>() << surface->axes.x.transpose(), surface->axes.y.transpose())
-          .finished()
-          .cast<float>();
-  const Eigen::Vector2d middle = frame.ToPlane(cell.centre_world);
+  // In groups; the one that holds the middle of the cell is split off, so that floats suffice for what is
+  // left.
+  const double groups_per_m = 1.0 / surface->evidence.group_m();
+  Eigen::Matrix<double, 2, 3> to_axes;
+  to_axes << surface->axes.x.transpose(), surface->axes.y.transpose();
+  const Eigen::Matrix<float, 2, 3> to_groups = (groups_per_m * to_axes).cast<float>();
+  const Eigen::Vector2d middle = groups_per_m * frame.ToPlane(cell.centre_world);
+  const Eigen::Vector2i middle_group(FloorToInt(middle.x()), FloorToInt(middle.y()));
+  const Eigen::Vector2f in_group = (middle - middle_group.cast<double>()).cast<float>();
+  const Eigen::Vector2f around = Eigen::Vector2f::Constant(static_cast<float>(groups_per_m * kAround_m));
+  EvidenceGrid::Opener opener(&surface->evidence);
   for (const Footprint& f : member.patch.footprints) {
-    const Eigen::Vector2d at = middle + (to_axes * f.centre).cast<double>();
-    const Eigen::Vector2d reach =
-        ((to_axes * f.half_x).cwiseAbs() + (to_axes * f.half_y).cwiseAbs()).cast<double>() +
-        Eigen::Vector2d::Constant(kAround_m);
-    surface->evidence.Open(at - reach, at + reach);
+    const Eigen::Vector2f at = in_group + to_groups * f.centre;
+    const Eigen::Vector2f reach =
+        (to_groups * f.half_x).cwiseAbs() + (to_groups * f.half_y).cwiseAbs() + around;
+    const Eigen::Vector2f low = at - reach, high = at + reach;
+    opener.OpenGroups(middle_group + Eigen::Vector2i(FloorToInt(low.x()), FloorToInt(low.y())),
+                      middle_group + Eigen::Vector2i(FloorToInt(high.x()), FloorToInt(high.y())));
   }
   if (!cell.folded) return;
   // Where the leaves lay is forgotten: the box around them is what is left.
@@ -152,14 +165,18 @@ void SurfaceStore::Absorb(SurfaceId keep, SurfaceId lose) {
   Surface& loser = surfaces_.at(lose);
   for (const CellKey& key : loser.cells) {
     winner.cells.insert(key);
-    for (Member& member : cells_.at(key).members)
-      if (member.surface == lose) member.surface = keep;
+    CellMembers& cell = cells_.at(key);
+    for (Member& member : cell.members) {
+      if (member.surface != lose) continue;
+      member.surface = keep;
+      OpenEvidence(cell, member, &winner);
+    }
   }
   // Its polygons' ids may live on.
   winner.polygons.insert(winner.polygons.end(), loser.polygons.begin(), loser.polygons.end());
-  winner.trace_now = true;
+  winner.trace_now = winner.trace_now || !loser.polygons.empty();
   winner.box_world.extend(loser.box_world);
-  AdoptEvidence(loser.Frame(), loser.evidence, &winner);
+  winner.num_flipped += AdoptEvidence(loser.Frame(), loser.evidence, &winner);
   surfaces_.erase(lose);
   touched_.erase(lose);
   touched_.insert(keep);
@@ -175,10 +192,12 @@ void SurfaceStore::RefitTouched() {
 void SurfaceStore::Refit(SurfaceId id, Surface* surface) {
   PlaneMoments moments;
   double noise2 = 0.0;
+  surface->area_m2 = 0.0;
   for (const CellKey& key : surface->cells) {
     const CellMembers& cell = cells_.at(key);
     for (const Member& member : cell.members) {
       if (member.surface != id) continue;
+      surface->area_m2 += member.patch.area_m2;
       moments.Add(member.patch.moments, cell.centre_world - surface->origin_world);
       noise2 += member.patch.moments.weight * member.patch.noise_m * member.patch.noise_m;
     }

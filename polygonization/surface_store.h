@@ -60,6 +60,7 @@ struct Surface {
   Eigen::Vector3d origin_world;
   double angle_sigma_rad = 0.0;
   double noise_m = 0.0;  ///< of single points, as that of patches
+  double area_m2 = 0.0;  ///< of its patches
   /// Evidence and outlines are kept in these axes, which stay when the plane moves a little.
   Eigen::Vector3d anchor_normal;
   PlaneAxes axes;
@@ -82,9 +83,8 @@ using Neighbours = std::map<SurfaceId, Eigen::AlignedBox3d>;
 ///  - every patch is a member of the cell that it was fitted in, and of one surface;
 ///  - a surface's `cells` are those that hold a member of it, and there is at least one;
 ///  - its moments are the sums of those of its members, and its plane follows from them;
-///  - its polygons and its traced pieces go in pairs. (Only where it took another one in are there more
-///  polygons,
-///    until it is traced anew: `trace_now`.)
+///  - its polygons and its traced pieces go in pairs. (Only where it took one in that had polygons are there
+///    more of them, until it is traced anew: `trace_now`.)
 ///  - its evidence has room wherever its members lie.
 /// While a frame is worked in, `touched` names the surfaces whose members have changed.
 class SurfaceStore {

@@ -59,7 +59,9 @@ OrderedJson StaircaseJson(const Staircase& staircase) {
           {"num_steps", staircase.num_risers},
           {"num_treads", staircase.num_treads},
           {"riser_m", staircase.riser_m},
+          {"riser_sigma_m", staircase.riser_sigma_m},
           {"tread_m", staircase.tread_m},
+          {"tread_sigma_m", staircase.tread_sigma_m},
           {"width_m", staircase.width_m},
           {"direction_world", VectorJson(staircase.direction_up_world)},
           {"base_world", PointJson(staircase.base_world())},
@@ -121,6 +123,8 @@ Staircase ReadStaircase(const JsonValue& json) {
   staircase.riser_m = json["riser_m"].Number();
   staircase.tread_m = json["tread_m"].Number();
   staircase.width_m = json["width_m"].Number();
+  if (json.Has("riser_sigma_m")) staircase.riser_sigma_m = json["riser_sigma_m"].Number();
+  if (json.Has("tread_sigma_m")) staircase.tread_sigma_m = json["tread_sigma_m"].Number();
   staircase.direction_up_world = json["direction_world"].UnitVector3();
   staircase.confidence = json["confidence"].Number();
   for (const JsonValue& id : json["region_ids"].Items()) staircase.region_ids.push_back(id.Integer());

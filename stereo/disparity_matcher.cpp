@@ -13,6 +13,7 @@
 #include "stereo/depth_edges.h"
 #include "stereo/disparity_filters.h"
 #include "stereo/disparity_units.h"
+#include "stereo/flat_fringes.h"
 #include "stereo/half_resolution.h"
 #include "stereo/refinement.h"
 #include "stereo/repeated_patterns.h"
@@ -178,6 +179,7 @@ class DisparityMatcher::Impl {
     units_.Set(result.disparity_px);
     edges_.Sharpen(frame.left, right_, units_, {&steep_, 2});
     refiner_.Refine(frame.left, right_, units_, result.disparity_px, &result.sigma_px, {&steep_, 2});
+    ForgetFlatFringes(frame.left, half_left_, result.disparity_px, result.sigma_px);
     ForgetBeyondRange(result);
     return result;
   }

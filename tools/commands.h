@@ -18,13 +18,16 @@ class UsageError : public std::runtime_error {
 // One subcommand a file, tools/<name>.cpp. Each adds itself with its options and a callback that does the
 // work.
 void AddCalibrationCommand(CLI::App& app);
+void AddCommandCommand(CLI::App& app);
 void AddConvertCommand(CLI::App& app);
 void AddDisparityCommand(CLI::App& app);
+void AddDoctorCommand(CLI::App& app);
 void AddDrawCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddListenCommand(CLI::App& app);
 void AddReportCommand(CLI::App& app);
+void AddStatusCommand(CLI::App& app);
 void AddSynthesizeCommand(CLI::App& app);
 void AddViewCommand(CLI::App& app);
 

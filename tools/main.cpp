@@ -19,13 +19,16 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "terrace " TERRACE_VERSION);
   app.require_subcommand(1);
   terrace::AddCalibrationCommand(app);
+  terrace::AddCommandCommand(app);
   terrace::AddConvertCommand(app);
   terrace::AddDisparityCommand(app);
+  terrace::AddDoctorCommand(app);
   terrace::AddDrawCommand(app);
   terrace::AddEvaluateCommand(app);
   terrace::AddInfoCommand(app);
   terrace::AddListenCommand(app);
   terrace::AddReportCommand(app);
+  terrace::AddStatusCommand(app);
   terrace::AddSynthesizeCommand(app);
   terrace::AddViewCommand(app);
 

@@ -50,6 +50,12 @@ Colour Mix(const Colour& a, const Colour& b, double share_of_b) {
   return mixed;
 }
 
+/// What was not seen is pale.
+Colour ColourOf(const TerrainRegion& region) {
+  const Colour colour = ColourOf(region.label);
+  return region.predicted() ? Mix(colour, kPaper, 0.6) : colour;
+}
+
 void Write(cv::Mat3b& image, const std::string& text, const cv::Point& at, double size, const Colour& colour,
            int thickness = 1) {
   cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar(colour), thickness, cv::LINE_AA);
@@ -200,8 +206,7 @@ void DrawEdgeOn(cv::Mat3b& image, const TerrainMap& map, const Panel& panel) {
     if (std::abs(normal.z()) > kEdgeOn) continue;
     const std::vector<cv::Point> line =
         FinePixels(region->outline_world, panel.projection, [](const Eigen::Vector3d& p) { return p; });
-    cv::polylines(image, line, true, cv::Scalar(Mix(ColourOf(region->label), kInk, 0.25)), 2, cv::LINE_AA,
-                  kShift);
+    cv::polylines(image, line, true, cv::Scalar(Mix(ColourOf(*region), kInk, 0.25)), 2, cv::LINE_AA, kShift);
   }
 }
 
@@ -225,7 +230,7 @@ cv::Mat3b DrawPanel(const TerrainMap& map, const std::vector<ResultPose>& trajec
         const TerrainRegion& region = *map.regions[i];
         const Eigen::Vector3d normal = fine.T_view_world.linear() * region.plane_world.normal;
         const double shade = 0.30 * (1.0 - std::max(0.0, normal.dot(light_view)));
-        image(v, u) = Mix(ColourOf(region.label), kInk, shade);
+        image(v, u) = Mix(ColourOf(region), kInk, shade);
       }
       if (OnBorder(raster, u, v)) image(v, u) = Mix(image(v, u), kInk, 0.55);
     }
@@ -284,10 +289,10 @@ cv::Mat3b DrawFrame(const TerrainMap& map, const cv::Mat1b& left, const StereoCa
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
       const int i = raster.region_at(u, v);
-      if (i >= 0) image(v, u) = Mix(image(v, u), ColourOf(map.regions[i]->label), kOpacity);
+      if (i >= 0) image(v, u) = Mix(image(v, u), ColourOf(*map.regions[i]), kOpacity);
       if (!OnBorder(raster, u, v)) continue;
       const int border = i >= 0 ? i : u + 1 < image.cols ? raster.region_at(u + 1, v) : -1;
-      image(v, u) = border >= 0 ? Mix(ColourOf(map.regions[border]->label), kInk, 0.4) : kInk;
+      image(v, u) = border >= 0 ? Mix(ColourOf(*map.regions[border]), kInk, 0.4) : kInk;
     }
   }
   constexpr int kMinPixels = 300;

@@ -30,7 +30,7 @@ LabelScene Halls(int num_halls) {
     scene.AddLevel(TerrainLabel::kWalkway, {3, y, 0}, 8, 2);
     scene.AddFace(TerrainLabel::kWall, {-1, y + 1, 0}, {7, y + 1, 0}, 2.6);
     scene.AddFace(TerrainLabel::kWall, {7, y - 1, 0}, {-1, y - 1, 0}, 2.6);
-    Flight flight;
+    KnownFlight flight;
     flight.foot = {7, y, 0};
     scene.AddFlight(flight);
     scene.AddLevel(TerrainLabel::kWalkway, {9.9, y, 1.02}, 3, 2);

@@ -18,36 +18,13 @@ import sys
 import tempfile
 import time
 
-SKIP = 77
-GROUP, PORT = "239.255.76.67", 7667
-URL = f"udpm://{GROUP}:{PORT}?ttl=0&recv_buf_size=2097152"
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from own_network import GROUP, PORT, enter_namespace, skip, url  # noqa: E402
+
+URL = url()
 NUM_FRAMES = 12
 # Files that hold nothing of the time of day or of speed.
 SAME_FILES = ("terrain_map.json", "trajectory.tum", "camera.json", "staircases.jsonl")
-
-
-def skip(reason):
-    print(f"skipped: {reason}")
-    sys.exit(SKIP)
-
-
-def enter_namespace():
-    """Runs this script again inside a network namespace with multicast on its loopback."""
-    if os.environ.get("TERRACE_IN_NAMESPACE"):
-        return
-    if os.geteuid() != 0:
-        skip("a network namespace needs root")
-    for program in ("unshare", "ip", "lcm-logplayer"):
-        if not shutil.which(program):
-            skip(f"{program} is not installed")
-    if subprocess.run(["unshare", "-n", "true"], capture_output=True).returncode != 0:
-        skip("this system allows no network namespace")
-    limit = int(pathlib.Path("/proc/sys/net/core/rmem_max").read_text())
-    if limit < 2097152:
-        skip(f"net.core.rmem_max = {limit} is too small for images, see daemon/config/60-terrace-lcm.conf")
-    setup = ("ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && "
-             'exec env TERRACE_IN_NAMESPACE=1 python3 "$@"')
-    os.execvp("unshare", ["unshare", "-n", "sh", "-c", setup, "sh", *sys.argv])
 
 
 class Daemon:
@@ -137,7 +114,7 @@ def same_map(replayed, live):
 
 
 def main():
-    enter_namespace()
+    enter_namespace(["lcm-logplayer"])
     terraced, terrace, tiny_log, python_dir = sys.argv[1:5]
     sys.path.insert(0, python_dir)
     folder = tempfile.mkdtemp(prefix="terrace_live_log_test.")

@@ -51,7 +51,7 @@ void LabelScene::AddBox(const Eigen::Vector3d& foot_center, double size_x, doubl
   AddLevel(top, foot_center + Eigen::Vector3d(0, 0, height_m), size_x, size_y, yaw_rad);
 }
 
-void LabelScene::AddFlight(const Flight& f) {
+void LabelScene::AddFlight(const KnownFlight& f) {
   const auto at = [&](double along, double left, double z) {
     return Eigen::Vector3d(f.foot + Turned(f.yaw_rad, along, left, z));
   };
@@ -183,6 +183,7 @@ TerrainMapPtr LabelOften(TerrainLabeler& labeler, const PolygonUpdate& update, c
 std::string WrongLabels(const LabelScene& scene, const TerrainMap& map) {
   std::ostringstream wrong;
   for (const auto& region : map.regions) {
+    if (region->predicted()) continue;  // is no piece of the scene
     const KnownPiece& piece = scene.pieces.at(static_cast<std::size_t>(region->id) - 1);
     const int step = region->step_index.value_or(0);
     if (region->label == piece.label && step == piece.step_index) continue;

@@ -30,7 +30,7 @@ struct Noise {
 };
 
 /// A flight of steps to be built.
-struct Flight {
+struct KnownFlight {
   Eigen::Vector3d foot = Eigen::Vector3d::Zero();  ///< middle of the foot edge
   double yaw_rad = 0.0;                            ///< direction up
   int num_risers = 6;
@@ -53,7 +53,7 @@ class LabelScene {
   /// A box with four sides and a top.
   void AddBox(const Eigen::Vector3d& foot_center, double size_x, double size_y, double height_m,
               double yaw_rad = 0.0, TerrainLabel top = TerrainLabel::kObstacle);
-  void AddFlight(const Flight& flight);
+  void AddFlight(const KnownFlight& flight);
   /// Steps about a vertical axis; riser 1 lies in the direction of x from it.
   void AddSpiral(const Eigen::Vector3d& axis_foot, double inner_radius_m, double outer_radius_m,
                  int num_risers, double rise_m, double turn_per_step_rad);
@@ -78,7 +78,7 @@ TerrainLabeler MakeLabeler();
 TerrainMapPtr LabelOften(TerrainLabeler& labeler, const PolygonUpdate& update, const PoseEstimate& pose,
                          int times = 6);
 
-/// The regions whose label is not the true one, a line each; empty when all are right.
+/// The seen regions whose label is not the true one, a line each; empty when all are right.
 std::string WrongLabels(const LabelScene& scene, const TerrainMap& map);
 
 }  // namespace terrace

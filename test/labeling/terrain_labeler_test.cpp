@@ -27,7 +27,7 @@ LabelScene Corridor() {
 
 LabelScene StairsUp() {
   LabelScene scene = Corridor();
-  Flight flight;
+  KnownFlight flight;
   flight.foot = {7, 0, 0};
   scene.AddFlight(flight);
   scene.AddLevel(kWalkway, {9.9, 0, 1.02}, 3, 2);
@@ -72,7 +72,7 @@ TEST(TerrainLabelerTest, FindsAStaircaseInEveryDirection) {
   for (double yaw = 0.1; yaw < 2.0 * kPi; yaw += 0.7) {
     LabelScene scene;
     scene.AddLevel(kWalkway, {0, 0, 0}, 3, 3, yaw);
-    Flight flight;
+    KnownFlight flight;
     flight.yaw_rad = yaw;
     flight.foot = 1.5 * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0);
     scene.AddFlight(flight);
@@ -167,7 +167,7 @@ TEST(TerrainLabelerTest, GivesAllFragmentsOfATreadTheSameIndex) {
 TEST(TerrainLabelerTest, FindsOpenRisersAndNosing) {
   for (const bool open : {true, false}) {
     LabelScene scene = Corridor();
-    Flight flight;
+    KnownFlight flight;
     flight.foot = {7, 0, 0};
     flight.open_risers = open;
     flight.nosing_m = 0.03;
@@ -240,7 +240,7 @@ TEST(TerrainLabelerTest, TakesThreeSurfacesThatHappenToStandInARowForNoStairs) {
 TEST(TerrainLabelerTest, FindsATwoStepFlightToAPlatformButNotTwoStackedBoxes) {
   LabelScene platform;
   platform.AddLevel(kWalkway, {2, 0, 0}, 4, 3);
-  Flight flight;
+  KnownFlight flight;
   flight.foot = {4, 0, 0};
   flight.num_risers = 2;
   flight.width_m = 2.0;

@@ -39,9 +39,7 @@ TEST(EvidenceGridTest, AdoptsWhatATurnedGridKnows) {
   const double angle = 0.4;
   const Eigen::Rotation2Dd rotation(angle);
   EvidenceGrid grid;
-  grid.Adopt(
-      turned, [&](const Eigen::Vector2d& p) { return Eigen::Vector2d(rotation.inverse() * p); },
-      [&](const Eigen::Vector2d& p) { return Eigen::Vector2d(rotation * p); });
+  grid.Adopt(turned, Eigen::Affine2d(rotation.inverse()));
   for (double x = -0.3; x < 0.3; x += 0.013) {
     for (double y = -0.3; y < 0.3; y += 0.013) {
       const Eigen::Vector2d p = rotation * Eigen::Vector2d(x, y);

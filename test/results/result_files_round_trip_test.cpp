@@ -43,6 +43,8 @@ void ExpectSameStaircase(const Staircase& a, const Staircase& b) {
   EXPECT_EQ(a.num_treads, b.num_treads);
   EXPECT_EQ(a.riser_m, b.riser_m);
   EXPECT_EQ(a.tread_m, b.tread_m);
+  EXPECT_EQ(a.riser_sigma_m, b.riser_sigma_m);
+  EXPECT_EQ(a.tread_sigma_m, b.tread_sigma_m);
   EXPECT_EQ(a.width_m, b.width_m);
   EXPECT_TRUE(a.direction_up_world.isApprox(b.direction_up_world, 1e-12));
   EXPECT_NEAR((a.base_world() - b.base_world()).norm(), 0.0, kWrittenM);

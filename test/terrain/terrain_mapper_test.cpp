@@ -115,7 +115,7 @@ TEST_F(TerrainMapperTest, RegionsBeyondTheWindowStayAndAreTakenUpAgainWithTheirI
   PlaneWorld world = Room();
   world.AddFloor(39, 44, -2, 2, 0);
   Walker walker(world);
-  for (int i = 0; i < 12; ++i) walker.See(&mapper_, 0.02 * i);
+  for (int i = 0; i < 24; ++i) walker.See(&mapper_, 0.02 * (i % 12));
   const TerrainMapPtr before = mapper_.map();
   ASSERT_GE(before->regions.size(), 2U);
 

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "labeling/staircase_finder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "label_scene.h"
+
+namespace terrace {
+namespace {
+
+constexpr double kRiseDown = 0.11;
+constexpr double kRunDown = 0.28;
+constexpr double kEdgeX = 3.0;  ///< where the upper floor ends
+
+std::vector<RegionShapePtr> ShapesOf(const std::vector<PolygonPtr>& polygons) {
+  std::vector<RegionShapePtr> shapes;
+  for (const PolygonPtr& polygon : polygons)
+    shapes.push_back(MakeRegionShape(polygon, Eigen::Matrix3d::Identity(), {0.52, 1.13, 0.5}));
+  return shapes;
+}
+
+/// From 0.8 m before the edge, half a metre above the upper floor.
+Sight FromAbove() {
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(kEdgeX - 0.8, 0.0, 0.5);
+  return sight;
+}
+
+/// Upper floor, lower floor and between them three strips of one incline, as wide as what is seen of the
+/// treads over the edges of the steps above, with points that leave the plane by `rms_m`.
+std::vector<RegionShapePtr> InclineInStrips(double rms_m) {
+  constexpr double kHidden = 0.15;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 2.0 * (kEdgeX - 1), 1.6);
+  scene.AddLevel(TerrainLabel::kWalkway, {5.7, 0, -4 * kRiseDown}, 3, 1.6);
+  const double slope = kRiseDown / kRunDown;
+  for (int k = 1; k <= 3; ++k) {
+    const double front = kEdgeX + k * kRunDown, back = front - kRunDown + kHidden;
+    const double middle = 0.5 * (front + back);
+    const auto z = [&](double x) { return -k * kRiseDown - slope * (x - middle); };
+    scene.Add({{{back, -0.8, z(back)}, {front, -0.8, z(front)}, {front, 0.8, z(front)}, {back, 0.8, z(back)}},
+               {},
+               TerrainLabel::kUnknown});
+  }
+  std::vector<PolygonPtr> polygons = scene.Update().polygons;
+  for (std::size_t i = 2; i < polygons.size(); ++i) {
+    auto strip = std::make_shared<Polygon>(*polygons[i]);
+    strip->noise_m = 0.003;
+    strip->rms_m = rms_m;
+    polygons[i] = strip;
+  }
+  return ShapesOf(polygons);
+}
+
+TEST(StaircaseFinderTest, FindsAFlightDownInStripsOfItsTreadsThatMergedIntoOneIncline) {
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(InclineInStrips(0.013), {}, FromAbove(), true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 4);
+  EXPECT_EQ(found[0].num_treads, 3);
+  EXPECT_NEAR(found[0].model.rise_m, kRiseDown, 0.003);
+  EXPECT_NEAR(found[0].model.run_m, kRunDown, 0.01);
+  EXPECT_LT(found[0].model.UpAt(1.0).x(), -0.99);
+  EXPECT_TRUE(std::all_of(found[0].members.begin(), found[0].members.end(),
+                          [](const StepMember& m) { return m.leaning && !m.riser; }));
+}
+
+TEST(StaircaseFinderTest, FindsNoFlightInARampOfWhichStripsAreHidden) {
+  const StaircaseFinder finder{StaircaseConfig{}};
+  EXPECT_TRUE(finder.Find(InclineInStrips(0.002), {}, FromAbove(), true).empty());
+}
+
+TEST(StaircaseFinderTest, MeasuresTheRiseByTheTopsOfFacesWhoseFeetAreHidden) {
+  constexpr double kRise = 0.17, kRun = 0.28;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  for (int k = 1; k <= 6; ++k) {
+    // From a low eye the more of a face is hidden the higher it is.
+    const double x = 3.0 + (k - 1) * kRun, hidden = 0.012 * k, foot = (k - 1) * kRise + hidden;
+    scene.AddFace(TerrainLabel::kStairRiser, {x, 0.8, foot}, {x, -0.8, foot}, kRise - hidden, k);
+  }
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.0, 0.0, 0.3);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(ShapesOf(scene.Update().polygons), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 0.001);
+  EXPECT_NEAR(found[0].model.foot_z, 0.0, 0.003);
+}
+
+TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
+  constexpr int kTrials = 60;
+  double sum2 = 0.0;
+  int num = 0;
+  for (unsigned seed = 1; seed <= kTrials; ++seed) {
+    LabelScene scene;
+    scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+    KnownFlight flight;
+    flight.foot = {3, 0, 0};
+    scene.AddFlight(flight);
+    const StaircaseFinder finder{StaircaseConfig{}};
+    Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+    sight.T_level_left.translation() = Eigen::Vector3d(1.5, 0.0, 1.5);
+    // As good as single treads and faces are taken to be.
+    const auto found =
+        finder.Find(ShapesOf(scene.Update({0.006, 0.01, 0.012}, seed).polygons), {}, sight, true);
+    if (found.size() != 1u) continue;
+    sum2 += std::pow((found[0].model.rise_m - flight.rise_m) / found[0].rise_sigma_m, 2);
+    ++num;
+  }
+  EXPECT_GE(num, kTrials - 2);
+  const double rms = std::sqrt(sum2 / num);
+  EXPECT_GT(rms, 0.6);
+  EXPECT_LT(rms, 1.4);
+}
+
+}  // namespace
+}  // namespace terrace
