@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <memory>
-#include <stdexcept>
+#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <lcm/lcm-cpp.hpp>
 
+#include "daemon/config.h"
 #include "results/replay_result.h"
+#include "tools/bus.h"
 #include "tools/commands.h"
 #include "tools/view_bus.h"
 #include "tools/view_page.h"
@@ -23,7 +25,7 @@ namespace terrace {
 namespace {
 
 struct ViewOptions {
-  std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
+  BusOptions bus;
   ViewServerOptions server;
   std::string log;
   std::string result;
@@ -31,16 +33,6 @@ struct ViewOptions {
   std::string page;
   bool control = false;
 };
-
-std::atomic<bool> ended = false;
-static_assert(std::atomic<bool>::is_always_lock_free);
-
-void EndOnSignals() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { ended = true; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 void SayWhere(const ViewServer& server, const ViewOptions& options) {
   const std::string& address = options.server.address;
@@ -52,21 +44,21 @@ void SayWhere(const ViewServer& server, const ViewOptions& options) {
 /// Serves while `work` is called again and again, until a signal ends the program or one of both fails.
 template <typename Work>
 void ServeWhile(ViewServer* server, Work work) {
+  CatchInterruptsOfTool();
+  std::atomic<bool> served = false;
   std::exception_ptr failure;
   std::thread serving([&] {
     try {
       server->Run();
     } catch (...) {
       failure = std::current_exception();
-      ended = true;
     }
+    served = true;
   });
   try {
-    while (!ended) work();
+    while (!ToolInterrupted() && !served) work();
   } catch (...) {
-    server->Stop();
-    serving.join();
-    throw;
+    failure = std::current_exception();
   }
   server->Stop();
   serving.join();
@@ -81,23 +73,26 @@ void ViewRecorded(const ViewOptions& options, const std::vector<ViewBytes>& reco
 }
 
 void ViewLive(const ViewOptions& options) {
-  lcm::LCM lcm(options.url);
-  if (!lcm.good()) throw std::runtime_error(options.url + ": cannot be opened");
-  ViewFeed feed({"live", options.url, options.control});
-  ViewBus* bus_for_commands = nullptr;
+  constexpr int kPatienceMs = 100;
+  const Config config = ConfigOf(options.bus);
+  lcm::LCM lcm(config.live.url);
+  RequireGood(&lcm, config.live.url);
+  ViewFeed feed({"live", config.live.url, options.control});
   ViewContent content{ReadViewPage(options.page), std::nullopt, nullptr};
   if (options.control) {
-    content.command = [&](const std::string& name) { bus_for_commands->Command(name); };
+    content.command = [&](const std::string& name) { SendViewCommand(name, &lcm, config.channels.command); };
   }
   ViewServer server(options.server, std::move(content), &feed);
-  ViewBus bus(&lcm, &server);
-  bus_for_commands = &bus;
+  ViewBus bus(&lcm, config.channels, &server);
   SayWhere(server, options);
-  ServeWhile(&server, [&] { bus.Handle(std::chrono::milliseconds(100)); });
+  ServeWhile(&server, [&] {
+    bus.ListenToImagesWhenWanted();
+    HandleFor(&lcm, kPatienceMs);
+    bus.TakeMap();
+  });
 }
 
 void View(const ViewOptions& options) {
-  EndOnSignals();
   if (!options.map.empty()) return ViewRecorded(options, RecordsOfMap(options.map));
   if (!options.result.empty())
     return ViewRecorded(options, RecordsOfResult(ReadReplayResult(options.result), "result"));
@@ -111,7 +106,7 @@ void AddViewCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("view", "Show in a browser what a daemon believes, or a log, result or map");
   auto options = std::make_shared<ViewOptions>();
-  command->add_option("--url", options->url, "LCM provider of the daemon")->capture_default_str();
+  AddBusOptions(command, &options->bus);
   command->add_option("--port", options->server.port, "where the browser finds it; 0: any that is free")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/view_bus.h"
 
-#include <cerrno>
+#include <chrono>
 #include <map>
-#include <stdexcept>
+#include <optional>
 #include <utility>
 
 #include <terrace/calibration_v1_t.hpp>
@@ -36,40 +36,20 @@ ViewBytes AsItCame(ViewRecordKind kind, const Message& message, const lcm::Recei
 
 }  // namespace
 
-ViewBus::ViewBus(lcm::LCM* lcm, ViewServer* server) : lcm_(lcm), server_(server), terrain_(lcm) {
+ViewBus::ViewBus(lcm::LCM* lcm, const ChannelConfig& channels, ViewServer* server)
+    : lcm_(lcm), server_(server), channels_(channels), terrain_(lcm, channels) {
   Subscribe<&ViewBus::OnPose>(lcm_, channels_.pose_state, this);
   Subscribe<&ViewBus::OnStatus>(lcm_, channels_.status, this);
   Subscribe<&ViewBus::OnReply>(lcm_, channels_.reply, this);
   Subscribe<&ViewBus::OnCalibration>(lcm_, channels_.calibration, this);
 }
 
-void ViewBus::Handle(std::chrono::milliseconds patience) {
-  ListenToImagesWhenWanted();
-  // A signal makes the waiting fail, too.
-  if (lcm_->handleTimeout(static_cast<int>(patience.count())) < 0 && errno != EINTR) {
-    throw std::runtime_error("LCM has failed");
-  }
+void ViewBus::TakeMap() {
   TerrainMapPtr map = terrain_.map();
   if (map == map_) return;
   map_ = map;
   const Timestamp t_heard = Timestamp::FromMicroseconds(NowUs());
   server_->Change([map = std::move(map), t_heard](ViewFeed* feed) { feed->TakeMap(map, t_heard); });
-}
-
-void ViewBus::Command(const std::string& name) {
-  static const std::map<std::string, std::int8_t> kCommands = {{"pause", command_v1_t::PAUSE},
-                                                               {"resume", command_v1_t::RESUME},
-                                                               {"reset", command_v1_t::RESET_MAP},
-                                                               {"snapshot", command_v1_t::SEND_SNAPSHOT},
-                                                               {"save", command_v1_t::SAVE_MAP}};
-  const auto known = kCommands.find(name);
-  if (known == kCommands.end()) return;
-  command_v1_t command{};
-  command.utime = NowUs();
-  command.request_id = command.utime;
-  command.command = known->second;
-  if (name == "save") command.argument = "map_" + std::to_string(command.utime) + ".json";
-  lcm_->publish(channels_.command, &command);
 }
 
 void ViewBus::OnPose(const lcm::ReceiveBuffer* buffer, const std::string&) {
@@ -121,6 +101,22 @@ void ViewBus::ListenToImagesWhenWanted() {
 
 void ViewBus::Pass(ViewBytes event) {
   server_->Change([event = std::move(event)](ViewFeed* feed) { feed->TakeEvent(event); });
+}
+
+void SendViewCommand(const std::string& name, lcm::LCM* lcm, const std::string& channel) {
+  static const std::map<std::string, std::int8_t> kCommands = {{"pause", command_v1_t::PAUSE},
+                                                               {"resume", command_v1_t::RESUME},
+                                                               {"reset", command_v1_t::RESET_MAP},
+                                                               {"snapshot", command_v1_t::SEND_SNAPSHOT},
+                                                               {"save", command_v1_t::SAVE_MAP}};
+  const auto known = kCommands.find(name);
+  if (known == kCommands.end()) return;
+  command_v1_t command{};
+  command.utime = NowUs();
+  command.request_id = command.utime;
+  command.command = known->second;
+  if (name == "save") command.argument = "map_" + std::to_string(command.utime) + ".json";
+  lcm->publish(channel, &command);
 }
 
 }  // namespace terrace

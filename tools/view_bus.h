@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -18,15 +17,12 @@ namespace terrace {
 /// while a browser wants them.
 class ViewBus {
  public:
-  /// Both must outlive it. Throws std::runtime_error when LCM refuses.
-  ViewBus(lcm::LCM* lcm, ViewServer* server);
+  /// Listens inside lcm->handle(). Both must outlive it. Throws std::runtime_error when LCM refuses.
+  ViewBus(lcm::LCM* lcm, const ChannelConfig& channels, ViewServer* server);
 
-  /// Waits for messages at most this long and handles them. Throws std::runtime_error when LCM fails.
-  void Handle(std::chrono::milliseconds patience);
-
-  /// Sends "pause", "resume", "reset", "snapshot" or "save" to the daemon; others are passed over. From any
-  /// thread.
-  void Command(const std::string& name);
+  // To be called before and after every handle():
+  void ListenToImagesWhenWanted();
+  void TakeMap();
 
  private:
   void OnPose(const lcm::ReceiveBuffer* buffer, const std::string& channel);
@@ -34,7 +30,6 @@ class ViewBus {
   void OnReply(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void OnCalibration(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void OnImages(const lcm::ReceiveBuffer* buffer, const std::string& channel);
-  void ListenToImagesWhenWanted();
   void Pass(ViewBytes event);
 
   lcm::LCM* const lcm_;
@@ -46,5 +41,8 @@ class ViewBus {
   lcm::Subscription* image_subscription_ = nullptr;
   std::int64_t t_image_us_ = 0;  // heard, the last one that was passed on
 };
+
+/// Sends "pause", "resume", "reset", "snapshot" or "save" to the daemon; others are passed over.
+void SendViewCommand(const std::string& name, lcm::LCM* lcm, const std::string& channel);
 
 }  // namespace terrace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// figures.mjs TERRACE [OUTPUTS.lcmlog SENSORS.lcmlog RATE]: measures the page and `terrace view`, and prints the figures of README.md.
-// Without logs only the page; with them, what a daemon published and what it saw are played at RATE frames a second.
+// figures.mjs TERRACE [OUTPUTS.lcmlog SPEED SENSORS.lcmlog SPEED]: measures the page and `terrace view`, and prints the figures of
+// README.md. Without logs only the page; with them, what a daemon published and what it saw are played side by side.
 import { execFileSync, spawn } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs';
 import { connect } from 'node:net';
@@ -12,7 +12,7 @@ import { level, writeMap } from '../test/viewer/example_map.mjs';
 
 const URL = 'udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152';
 const TICKS_PER_S = 100;  // of /proc/PID/stat on Linux
-const [terrace, outputs, sensors, rate] = process.argv.slice(2);
+const [terrace, outputs, outputSpeed, sensors, sensorSpeed] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'terrace_figures_'));
 
 const cpuS = (pid) => readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ').slice(11, 13).reduce((sum, t) => sum + Number(t), 0) / TICKS_PER_S;
@@ -66,8 +66,8 @@ async function measurePage(browser) {
 }
 
 /// Both logs side by side, as a robot and its daemon would speak.
-async function play(speed) {
-  const players = [outputs, sensors].map((log) => spawn('lcm-logplayer', ['-l', URL, `--speed=${speed}`, log], { stdio: 'ignore' }));
+async function play() {
+  const players = [[outputs, outputSpeed], [sensors, sensorSpeed]].map(([log, speed]) => spawn('lcm-logplayer', ['-l', URL, `--speed=${speed}`, log], { stdio: 'ignore' }));
   await Promise.all(players.map((child) => new Promise((resolve) => { child.on('exit', resolve); })));
 }
 
@@ -78,7 +78,7 @@ async function measureLive(browser, images) {
   await sleep(1000);
   const before = cpuS(view.pid);
   const begin = performance.now();
-  await play(Number(rate));
+  await play();
   const elapsedS = (performance.now() - begin) / 1000;
   const share = (100 * (cpuS(view.pid) - before)) / elapsedS;
   const figures = await page.evaluate(() => ({ latency: window.terrace.latencyMs(), bytes: window.terrace.live.numBytes, regions: window.terrace.model.regions.size, path: window.terrace.model.path.length }));
@@ -102,7 +102,7 @@ async function measureSlow() {
   const before = rssMb(view.pid);
   let most = before;
   const watch = setInterval(() => { most = Math.max(most, rssMb(view.pid)); }, 200);
-  for (const begin = performance.now(); performance.now() - begin < 60000;) await play(Number(rate));
+  for (const begin = performance.now(); performance.now() - begin < 60000;) await play();
   clearInterval(watch);
   console.log(`a browser that stops reading for a minute: ${before.toFixed(1)} MB before, ${most.toFixed(1)} MB at most`);
   socket.destroy();

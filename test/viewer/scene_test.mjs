@@ -28,7 +28,7 @@ after(async () => {
 async function withPage(hash, use, url = view.url) {
   const { page, foreign, errors } = await openPage(browser.context, url + hash);
   await page.waitForFunction(() => window.terrace.model.regions.size > 0);
-  await page.evaluate(() => window.terrace.view.draw(true));
+  await page.evaluate(() => window.terrace.view.draw());
   await use(page);
   assert.deepEqual(foreign, [], 'no request goes elsewhere');
   assert.deepEqual(errors, [], 'nothing goes wrong');
@@ -74,7 +74,7 @@ test('draws a region in the colour of its label and a drop in vermilion', () => 
   const colourAt = async (point) => {
     const at = await placeOf(page, point);
     return page.evaluate(([x, y]) => {
-      window.terrace.view.draw(true);
+      window.terrace.view.draw();
       const canvas = document.getElementById('scene');
       const copy = document.createElement('canvas');
       [copy.width, copy.height] = [canvas.width, canvas.height];

@@ -106,7 +106,7 @@ export class App implements Actions {
       this.panelDue = now + PANEL_EVERY_MS;
       this.showPanels();
     }
-    this.view.draw();
+    this.view.turn(now);
     requestAnimationFrame((next) => this.tick(next));
   }
 
@@ -241,7 +241,7 @@ export class App implements Actions {
   }
 
   picture(): void {
-    this.view.draw(true);
+    this.view.draw();
     byId<HTMLCanvasElement>('scene').toBlob((blob) => { if (blob) download('terrace.png', blob); });
   }
 

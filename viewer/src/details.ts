@@ -40,11 +40,11 @@ export function detailRows(region: Region, model: Model): [string, string][] {
     ['normal', n.toArray().map((v) => v.toFixed(3)).join(', ')],
     ['offset', `${n.dot(region.origin).toFixed(4)} m`],
     ['slope', `${(m.slope * DEGREES).toFixed(1)}°`],
-    ['plane', `±${(1e3 * region.sigmaM).toFixed(1)} mm, ±${(Math.sqrt(Math.max(m.plane_cov[0], m.plane_cov[3])) * DEGREES).toFixed(2)}°`],
+    ['plane', region.sigmaM === null ? 'how sure is not known' : `±${(1e3 * region.sigmaM).toFixed(1)} mm, ±${(Math.sqrt(Math.max(m.plane_cov[0], m.plane_cov[3])) * DEGREES).toFixed(2)}°`],
     ['flatness', `${(1e3 * m.rms).toFixed(1)} mm rms`],
-    ['area', `${m.area.toFixed(3)} m², ${(100 * m.support).toFixed(0)} % observed`],
+    ['area', `${m.area.toFixed(3)} m²${m.n_obs > 0 ? `, ${(100 * m.support).toFixed(0)} % observed` : ''}`],
     ['last seen', age < 0.05 ? 'now' : `${age.toFixed(1)} s ago`],
-    ['seen', `${m.n_obs} times in ${((region.lastUtime - m.first_utime) * 1e-6).toFixed(1)} s`],
+    ['seen', `${m.n_obs > 0 ? `${m.n_obs} times ` : ''}in ${((region.lastUtime - m.first_utime) * 1e-6).toFixed(1)} s`],
     ['outline', `${region.rings[0].length / 2} corners, ${region.rings.length - 1} holes`],
   );
   const stairs = model.staircases.get(m.staircase_id);

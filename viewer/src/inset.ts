@@ -27,13 +27,14 @@ function projectionOf(camera: CameraInfo): Matrix4 {
 
 export class Inset {
   texture: Texture | null = null;
-  picturePose: Pose | null = null;
+  picturePose: Pose | null = null;  // of the frame that is shown; none: not known, and nothing is drawn over it
   overlay = true;
   private readonly paper = new Scene();
   private readonly paperCamera = new OrthographicCamera(-0.5, 0.5, 0.5, -0.5, -1, 1);
   private readonly paperMaterial = new MeshBasicMaterial({ depthTest: false, depthWrite: false });
   private readonly eye = new PerspectiveCamera();
   private shown: Picture | null = null;
+  private decoding = false;
 
   constructor(private readonly onPicture: () => void) {
     this.paper.add(new Mesh(new PlaneGeometry(1, 1), this.paperMaterial));
@@ -41,24 +42,32 @@ export class Inset {
     this.eye.layers.set(OVERLAY_LAYER);
   }
 
-  /// Decodes a new picture beside the drawing; one at a time, so a fast source cannot pile them up.
+  /// Decodes the newest picture beside the drawing; one at a time, so that a fast source cannot pile them up.
   update(model: Model): void {
     const picture = model.picture;
-    if (!picture || picture === this.shown) return;
+    if (!picture || picture === this.shown || this.decoding) return;
     this.shown = picture;
-    const point = nearest(model, picture.utime);
-    void createImageBitmap(new Blob([picture.jpeg as BlobPart], { type: 'image/jpeg' }), { imageOrientation: 'flipY' }).then((bitmap) => {
-      this.texture?.dispose();
-      (this.texture?.image as ImageBitmap | undefined)?.close();
-      this.texture = new Texture(bitmap);
-      this.texture.flipY = false;
-      this.texture.colorSpace = SRGBColorSpace;
-      this.texture.minFilter = LinearFilter;
-      this.texture.generateMipmaps = false;
-      this.texture.needsUpdate = true;
-      this.picturePose = point ? model.cameraPoseAt(point) : model.cameraPose();
-      this.onPicture();
+    this.decoding = true;
+    const point = sameFrame(model, picture.utime);
+    const pose = point ? model.cameraPoseAt(point) : null;
+    const blob = new Blob([picture.jpeg as BlobPart], { type: 'image/jpeg' });
+    void createImageBitmap(blob, { imageOrientation: 'flipY' }).then((bitmap) => this.take(bitmap, pose)).finally(() => {
+      this.decoding = false;
+      this.update(model);
     });
+  }
+
+  private take(bitmap: ImageBitmap, pose: Pose | null): void {
+    this.texture?.dispose();
+    (this.texture?.image as ImageBitmap | undefined)?.close();
+    this.texture = new Texture(bitmap);
+    this.texture.flipY = false;
+    this.texture.colorSpace = SRGBColorSpace;
+    this.texture.minFilter = LinearFilter;
+    this.texture.generateMipmaps = false;
+    this.texture.needsUpdate = true;
+    this.picturePose = pose;
+    this.onPicture();
   }
 
   /// Into a rectangle of the canvas, in its pixels from the lower left corner.
@@ -88,7 +97,7 @@ export class Inset {
 }
 
 /// The pose that belongs to a picture: of the same frame, or none.
-function nearest(model: Model, utime: number) {
+function sameFrame(model: Model, utime: number) {
   const SAME_FRAME_US = 2000;
   let best = null;
   for (let i = model.path.length - 1; i >= 0; --i) {

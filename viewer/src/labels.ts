@@ -26,8 +26,15 @@ export function textSprite(text: string, at: Vector3, options: { size?: number; 
   sprite.scale.set((height * canvas.width) / canvas.height, height, 1);
   sprite.position.copy(at);
   sprite.renderOrder = 10;
-  sprite.userData.text = text;
+  sprite.userData = { text, height };
   return sprite;
+}
+
+/// A plan has no distance: there, what is always as large on the screen grows with what the screen shows.
+/// @param flatHeightM  how much of the world stands on the screen's height; none: in perspective
+export function fitSprite(sprite: Sprite, flatHeightM: number | null): void {
+  const height = (sprite.userData.height as number) * (flatHeightM ?? 1);
+  sprite.scale.set((height * sprite.scale.x) / sprite.scale.y, height, 1);
 }
 
 export function disposeSprite(sprite: Sprite): void {

@@ -48,9 +48,10 @@ export class Region {
     return this.message.source === PREDICTED;
   }
 
-  /// Standard deviation of the plane along its normal, at its middle [m].
-  get sigmaM(): number {
-    return Math.sqrt(Math.max(0, this.message.plane_cov[5]));
+  /// Standard deviation of the plane along its normal, at its middle [m]; none where it is not known, as of maps from a file.
+  get sigmaM(): number | null {
+    const variance = this.message.plane_cov[5];
+    return variance > 0 ? Math.sqrt(variance) : null;
   }
 
   toWorld(x: number, y: number, above = 0, into = new Vector3()): Vector3 {

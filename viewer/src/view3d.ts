@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The scene: draws a model, and says what is where.
 import {
-  Box3, BufferGeometry, Color, GridHelper, Line, LineBasicMaterial, Raycaster, Scene, Sprite, Vector2, Vector3, WebGLRenderer,
+  Box3, BufferGeometry, Color, GridHelper, Line, LineBasicMaterial, OrthographicCamera, Raycaster, Scene, Sprite, Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import { Cameras } from './cameras';
 import { Mode } from './colouring';
+import { Detail } from './detail';
 import { imageFromWorld, Inset } from './inset';
-import { disposeSprite, textSprite } from './labels';
+import { disposeSprite, fitSprite, textSprite } from './labels';
 import { Model } from './model';
 import { CameraPath } from './path';
 import { Region } from './region';
@@ -41,6 +42,7 @@ export class View3d {
   readonly cameras: Cameras;
   readonly shown = new Map<Layer, boolean>(LAYERS.map((layer) => [layer, !OFF_AT_FIRST.includes(layer)]));
   onDrawn: () => void = () => {};
+  private readonly detail = new Detail();
   private readonly scene = new Scene();
   private readonly renderer: WebGLRenderer;
   private readonly grid = new GridHelper(40, 40);
@@ -99,7 +101,7 @@ export class View3d {
     this.shown.set(layer, on);
     switch (layer) {
       case 'surfaces': this.surfaces.show('fill', on); break;
-      case 'outlines': this.surfaces.show('lines', on); break;
+      case 'outlines': this.applyDetail(); break;
       case 'edges': this.surfaces.show('bands', on); break;
       case 'predicted': this.surfaces.showPredicted(on); break;
       case 'staircases': this.staircases.group.visible = on; break;
@@ -187,18 +189,32 @@ export class View3d {
     this.framed = true;
   }
 
-  /// Draws when something has changed; true when it did.
-  draw(always = false): boolean {
-    if (!this.stale && !always) return false;
+  /// To be called at every turn of the screen: draws when something has changed.
+  turn(nowMs: number): void {
+    if (this.detail.tick(nowMs)) this.applyDetail();
+    if (this.stale) this.draw();
+  }
+
+  draw(): void {
     this.stale = false;
+    this.detail.drawn();
     const size = this.renderer.getSize(new Vector2());
     this.updateTexture();
     this.voxels.setPixelsPerRad(0.5 * size.y * this.renderer.getPixelRatio() * this.cameras.active.projectionMatrix.elements[5]);
+    const camera = this.cameras.active;
+    const flatHeightM = camera instanceof OrthographicCamera ? (camera.top - camera.bottom) / camera.zoom : null;
+    this.scene.traverse((object) => { if (object instanceof Sprite) fitSprite(object, flatHeightM); });
     this.renderer.setViewport(0, 0, size.x, size.y);
     this.renderer.render(this.scene, this.cameras.active);
     this.drawInset(size);
     this.onDrawn();
-    return true;
+  }
+
+  private applyDetail(): void {
+    this.voxels.draw(this.detail.share);
+    // What a drop is stays; outlines are the next to be missed least.
+    this.surfaces.show('lines', this.shown.get('outlines')! && this.detail.level < 2);
+    this.invalidate();
   }
 
   private drawInset(size: Vector2): void {

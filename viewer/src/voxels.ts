@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Occupied cells where the world is not planar, as squares of the cells' size. Too many for a smooth picture are thinned, the
-// far ones first, and the page says how many it draws.
+// Occupied cells where the world is not planar, as squares of the cells' size. Where they are too many for a smooth picture,
+// those far away are thinned, and the page says how many it draws.
 import { BufferAttribute, BufferGeometry, Points, ShaderMaterial, Vector3 } from 'three';
 import { Voxels } from './model';
 
@@ -26,6 +26,7 @@ export class VoxelCloud {
   }));
   numDrawn = 0;
   numThere = 0;
+  private numKept = 0;
   private made: Voxels | null = null;
 
   constructor() {
@@ -35,12 +36,19 @@ export class VoxelCloud {
   update(voxels: Voxels | null, near: Vector3): void {
     if (voxels === this.made) return;
     this.made = voxels;
-    const positions = voxels ? thinned(voxels.positions, near) : new Float32Array();
+    const positions = voxels ? nearFirst(voxels.positions, near) : new Float32Array();
     this.numThere = (voxels?.positions.length ?? 0) / 3;
-    this.numDrawn = positions.length / 3;
+    this.numKept = positions.length / 3;
     this.points.geometry.dispose();
     this.points.geometry.setAttribute('position', new BufferAttribute(positions, 3));
     this.uniform('sizeM', voxels?.sizeM ?? 0.05);
+    this.draw(1);
+  }
+
+  /// Draws a share of them: near the robot nearly all, far away few.
+  draw(share: number): void {
+    this.numDrawn = Math.round(share * this.numKept);
+    this.points.geometry.setDrawRange(0, this.numDrawn);
   }
 
   setPixelsPerRad(pixels: number): void {
@@ -52,18 +60,17 @@ export class VoxelCloud {
   }
 }
 
-/// The nearest MAX_DRAWN.
-function thinned(positions: Float32Array, near: Vector3): Float32Array {
+/// At most MAX_DRAWN, so ordered that any beginning of them is dense near by and thin far away.
+function nearFirst(positions: Float32Array, near: Vector3): Float32Array {
   const n = positions.length / 3;
-  if (n <= MAX_DRAWN) return positions;
-  const squares = new Float32Array(n);
+  const keys = new Float64Array(n);
   for (let i = 0; i < n; ++i) {
-    squares[i] = (positions[3 * i] - near.x) ** 2 + (positions[3 * i + 1] - near.y) ** 2 + (positions[3 * i + 2] - near.z) ** 2;
+    const square = (positions[3 * i] - near.x) ** 2 + (positions[3 * i + 1] - near.y) ** 2 + (positions[3 * i + 2] - near.z) ** 2;
+    // Fractions of multiples of the golden ratio are spread evenly, and the same each time.
+    keys[i] = square * ((i * 0.6180339887498949) % 1);
   }
-  const limit = squares.slice().sort()[MAX_DRAWN];
-  const kept: number[] = [];
-  for (let i = 0; i < n && kept.length < 3 * MAX_DRAWN; ++i) {
-    if (squares[i] < limit) kept.push(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
-  }
-  return new Float32Array(kept);
+  const order = Uint32Array.from({ length: n }, (_, i) => i).sort((a, b) => keys[a] - keys[b]);
+  const ordered = new Float32Array(3 * Math.min(n, MAX_DRAWN));
+  for (let i = 0; 3 * i < ordered.length; ++i) ordered.set(positions.subarray(3 * order[i], 3 * order[i] + 3), 3 * i);
+  return ordered;
 }
