@@ -39,5 +39,5 @@ install(FILES ${PROJECT_SOURCE_DIR}/build/viewer/index.html DESTINATION ${CMAKE_
 install(DIRECTORY datasets/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace OPTIONAL)
 install(FILES daemon/config/terraced.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/terrace)
 configure_file(daemon/terraced.service.in ${PROJECT_BINARY_DIR}/terraced.service @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/terraced.service DESTINATION lib/systemd/system)
+install(FILES ${PROJECT_BINARY_DIR}/terraced.service daemon/config/terrace-loopback.service DESTINATION lib/systemd/system)
 install(DIRECTORY daemon/config/ DESTINATION lib/sysctl.d FILES_MATCHING PATTERN "*.conf")

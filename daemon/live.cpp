@@ -17,9 +17,11 @@
 #include "daemon/interrupt.h"
 #include "daemon/live_input.h"
 #include "daemon/mapper_run.h"
+#include "daemon/service_notice.h"
 #include "daemon/sinks.h"
 #include "daemon/status_reporter.h"
 #include "daemon/terrain_publisher.h"
+#include "daemon/thread_priority.h"
 #include "datasets/calibration_file.h"
 #include "datasets/euroc.h"
 
@@ -167,6 +169,7 @@ class LiveNode {
       status.reason_code = ReasonCode::kNoImages;
     }
     reporter_.Send(status);
+    service_.Tell(status);
   }
 
   static void SetFlow(const FlowCounts& counts, Status* status) {
@@ -204,6 +207,7 @@ class LiveNode {
   }
 
   void Answer(const command_v1_t& command) {
+    if (command.command == command_v1_t::KEEP_RECORD) return;  // the recorder answers
     command_reply_v1_t reply = obeyer_.Obey(command);
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     reply.utime = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
@@ -216,6 +220,7 @@ class LiveNode {
   lcm::LCM lcm_;
   StatusReporter reporter_;
   CommandObeyer obeyer_;
+  ServiceNotice service_;
   std::optional<LiveInput> input_;
   std::unique_ptr<LiveMapper> mapper_;
   bool paused_ = false;
@@ -229,6 +234,7 @@ class LiveNode {
 void RunLive(const LiveOptions& options, const Config& config) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(options.num_threads));
+  const WorkersYieldToThePose workers;
   LiveNode(options, config).Run();
 }
 

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "daemon/config.h"
 #include "daemon/interrupt.h"
 #include "daemon/live.h"
+#include "daemon/log_setup.h"
 #include "daemon/replay.h"
 #include "daemon/result_writer.h"
 #include "daemon/version.h"
@@ -32,6 +32,7 @@ struct Arguments {
   std::optional<std::string> config_file;
   std::vector<std::string> settings;
   bool print_config = false;
+  std::string log_file;
   ReplayOptions replay;
   LiveOptions live;
 };
@@ -52,6 +53,7 @@ int Run(int argc, char** argv) {
   arguments.replay.num_threads = arguments.live.num_threads = cores;
 
   AddCommonOptions(&app, &arguments);
+  app.add_option("--log-file", arguments.log_file, "Log into this file as well; 10 MB each, five are kept");
   app.add_flag("--print-config", arguments.print_config, "Prints the complete configuration file and ends");
   app.add_option("--output", arguments.live.output, "Folder for the result files, written at the end");
   app.add_flag("--overwrite", arguments.live.overwrite,
@@ -98,6 +100,7 @@ int Run(int argc, char** argv) {
 
   CatchInterrupts();
   try {
+    if (!arguments.log_file.empty()) LogToFile(arguments.log_file);
     const Config config = LoadConfig(arguments.config_file, arguments.settings);
     if (arguments.print_config) {
       std::fputs(PrintConfig(config).c_str(), stdout);
@@ -127,6 +130,6 @@ int Run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   // Standard output belongs to what was asked for; everything about the run goes to standard error.
-  spdlog::set_default_logger(spdlog::stderr_color_mt("terraced"));
+  terrace::LogToStandardError();
   return terrace::Run(argc, argv);
 }

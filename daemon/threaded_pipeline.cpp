@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "daemon/thread_priority.h"
+
 namespace terrace {
 namespace {
 
@@ -67,6 +69,7 @@ bool ThreadedPipeline::Rectify(SensorFrame sensors) {
 }
 
 bool ThreadedPipeline::Match(const Rectified& rectified) {
+  if (pace_ == Pace::kNewest) YieldToThePose();
   return to_map_.Push({rectified.sensors->frame_id, pipeline_->Match(rectified.frame)});
 }
 
@@ -77,6 +80,7 @@ bool ThreadedPipeline::Track(const Rectified& rectified) {
 }
 
 bool ThreadedPipeline::Map(const Matched& matched) {
+  if (pace_ == Pace::kNewest) YieldToThePose();
   map_failed_ = true;                                   // unless this gets to its end
   if (!PassOverBefore(matched.frame_id)) return false;  // the odometry has failed
   on_frame_(pipeline_->Map(matched.disparity, *std::exchange(next_tracked_, std::nullopt)));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/angles.h"
+#include "labeling/drop_view.h"
 #include "labeling/edge_kinds.h"
 #include "labeling/label_rules.h"
 #include "labeling/predicted_regions.h"
@@ -84,6 +85,7 @@ class TerrainLabeler::Impl {
     table_.Update(update, gravity, pose.T_world_left.translation());
     const std::vector<RegionShapePtr>& shapes = table_.shapes();
     const Eigen::Isometry3d T_level_left = Eigen::Isometry3d(table_.R_level_world()) * pose.T_world_left;
+    eye_ = T_level_left.translation();
     views_.Look(table_, T_level_left, update.t_capture);
     constexpr std::int64_t kCompetePeriod = 5;  // frames
     const bool compete = num_frames_ % kCompetePeriod == 0;
@@ -107,16 +109,19 @@ class TerrainLabeler::Impl {
     return (table_.R_level_world() * body_world).z() - robot_.body_height_m;
   }
 
-  /// Anew when the region itself has changed; for a change beside it a few frames later will do.
+  /// Anew when the region itself has changed; for a change beside it a few frames later will do, and for what
+  /// has come into view far below its edges.
   void RefreshEdges(int i, RegionRecord& record) const {
     constexpr std::int64_t kPeriod = 8;
     const RegionShape& shape = *table_.shapes()[i];
     const bool changed = record.OutOfDate(shape);
     const Eigen::Vector3d reach(kEdgeReach, kEdgeReach, 3.0 * kEdgeReach);
-    if (!changed && !record.edges_stale) record.edges_stale = table_.Touched(shape, reach);
     const bool turn = (num_frames_ + shape.id()) % kPeriod == 0;  // spreads the work over the frames
-    if (!changed && !(record.edges_stale && turn)) return;
-    record.edges = EdgeKindsOf(i, table_.shapes(), table_.R_level_world());
+    if (!changed && !record.edges_stale) record.edges_stale = table_.Touched(shape, reach);
+    const bool ground_ahead = shape.lean == Lean::kSupport && views_.nearest_view_m()[i] < kFarthestDrop;
+    if (!changed && !(turn && (record.edges_stale || ground_ahead))) return;
+    record.edges = EdgesOf(i, table_.shapes(), views_.tops(), table_.R_level_world(), eye_);
+    if (record.region()) KeepKnownDrops(*record.region(), *shape.polygon, record.edges);
     record.edges_stale = false;
   }
 
@@ -204,6 +209,7 @@ class TerrainLabeler::Impl {
   StaircaseTracker tracker_;
   PredictedRegions predicted_;
   std::map<PolygonId, RegionRecord> records_;
+  Eigen::Vector3d eye_ = Eigen::Vector3d::Zero();  ///< where the camera is, level frame
   std::int64_t num_frames_ = 0;
   TerrainMapPtr map_;
 };

@@ -2,6 +2,7 @@
 #include "polygonization/cell_modeller.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -28,6 +29,11 @@ constexpr float kAcross = 0.18F / 12.0F;
 /// A plane known before is preferred to a new one that explains hardly more.
 constexpr float kHintBonus = 1.05F;
 constexpr int kRefits = 3;
+/// What a leaf on a plane counts for, however loose the plane; for each factor of e that it is tighter than
+/// the cell; and how much less at three standard deviations.
+constexpr float kLoose = 1.9F;
+constexpr float kTight = 0.5F;
+constexpr float kDistance = 4.5F;
 
 /// A small generator with the same numbers on every system (SplitMix64, Steele et al. 2014).
 class Random {
@@ -61,9 +67,13 @@ struct CellPlane {
 /// Fits the planes of one cell, one after the other, each to what the ones before left over.
 class CellFit {
  public:
-  CellFit(const ModellingConfig& config, const std::vector<Surfel>& surfels, std::vector<CellPlane> hints,
-          std::uint64_t seed)
-      : config_(config), surfels_(surfels), hints_(std::move(hints)), random_(seed) {}
+  CellFit(const ModellingConfig& config, const std::vector<Surfel>& surfels, double cell_size_m,
+          std::vector<CellPlane> hints, std::uint64_t seed)
+      : config_(config),
+        surfels_(surfels),
+        cell_size_m_(static_cast<float>(cell_size_m)),
+        hints_(std::move(hints)),
+        random_(seed) {}
 
   std::vector<Patch> Run() {
     std::vector<Patch> patches;
@@ -118,11 +128,6 @@ class CellFit {
     }
     return std::sqrt(cost / num_points);
   }
-  float TotalArea(const std::vector<int>& indices) const {
-    float area = 0.0F;
-    for (const int i : indices) area += surfels_[i].size_m * surfels_[i].size_m;
-    return area;
-  }
   /// 1 / variance of the leaf's mean along the normal.
   float Information(const Surfel& s, float facing) const {
     const float noise = s.sigma_view_m * facing;
@@ -154,14 +159,12 @@ class CellFit {
     }
     // How much each explains; sorted by minus that.
     std::vector<std::pair<float, CellPlane>> tried;
-    const float sample_area = TotalArea(sample), rest_area = TotalArea(rest);
-    for (const CellPlane& hint : hints_)
-      tried.emplace_back(-kHintBonus * (sample_area - TotalCost(sample, hint)), hint);
+    for (const CellPlane& hint : hints_) tried.emplace_back(-kHintBonus * Explained(sample, hint), hint);
     const std::size_t num_hints = tried.size();
     for (int h = 0; h < config_.num_hypotheses; ++h) {
       const std::optional<CellPlane> plane =
           Through(rest[random_.Below(n)], rest[random_.Below(n)], rest[random_.Below(n)]);
-      if (plane) tried.emplace_back(TotalCost(sample, *plane) - sample_area, *plane);
+      if (plane) tried.emplace_back(-Explained(sample, *plane), *plane);
     }
     if (tried.empty()) return std::nullopt;
     const auto explains_more = [](const auto& a, const auto& b) { return a.first < b.first; };
@@ -174,17 +177,38 @@ class CellFit {
     for (std::size_t i = 0; i < tried.size(); ++i) {
       const bool hint = i < num_hints;
       if ((hint ? i : i - num_hints) >= kFinalists) continue;
-      const float score = (rest_area - TotalCost(rest, tried[i].second)) * (hint ? kHintBonus : 1.0F);
+      const float score = Explained(rest, tried[i].second) * (hint ? kHintBonus : 1.0F);
       if (best && score <= best_score) continue;
       best = tried[i].second;
       best_score = score;
     }
     return best;
   }
-  float TotalCost(const std::vector<int>& indices, const CellPlane& plane) const {
-    float cost = 0.0F;
-    for (const int i : indices) cost += surfels_[i].size_m * surfels_[i].size_m * Cost(surfels_[i], plane);
-    return cost;
+  /// How much better a plane explains the leaves than nothing does, by area: a share of what their distances
+  /// leave of what is allowed, and a share for how tight it is, as the logarithm of the likelihood has it
+  /// (MLESAC, Torr and Zisserman 2000; half of it here, since leaves are no points and their noise is a
+  /// guess). So a plane across the steps of a flight far away, which is loose because it is seen from the
+  /// front, does not pass for the treads, which are tight because they are seen flat.
+  float Explained(const std::vector<int>& indices, const CellPlane& plane) const {
+    float sum = 0.0F;
+    for (const int i : indices) {
+      const Surfel& s = surfels_[i];
+      const float facing = Facing(s, plane);
+      if (facing < kLeastFacing) continue;
+      const float distance = plane.normal.dot(s.mean) - plane.offset;
+      const float allowed = Allowed(s, facing);  // three standard deviations
+      const float share = distance / allowed;
+      if (share >= 1.0F || share <= -1.0F) continue;
+      const float gain = kLoose + kTight * Log(cell_size_m_ / allowed) - kDistance * share * share;
+      if (gain > 0.0F) sum += s.size_m * s.size_m * gain;
+    }
+    return sum;
+  }
+  /// Natural logarithm of a positive number, within 0.06: straight between the powers of two.
+  static float Log(float x) {
+    constexpr float kLog2 = 0.693147F;
+    const auto bits = static_cast<float>(std::bit_cast<std::int32_t>(x) - std::bit_cast<std::int32_t>(1.0F));
+    return kLog2 / static_cast<float>(1 << 23) * bits;
   }
 
   /// Weighted least squares; Tukey's weight lets go of what lies near the limit.
@@ -264,6 +288,7 @@ class CellFit {
 
   const ModellingConfig& config_;
   const std::vector<Surfel>& surfels_;
+  const float cell_size_m_;
   const std::vector<CellPlane> hints_;
   Random random_;
 };
@@ -330,7 +355,8 @@ PatchUpdate CellModeller::Fit(const TerrainOctree& octree, const ChangedCells& c
       for (const Plane& plane : HintsFor(cell.key, cell.centre_world, octree.cell_size_m()))
         hints.push_back(
             {plane.normal.cast<float>(), static_cast<float>(-plane.SignedDistance(cell.centre_world))});
-      cell.patches = CellFit(config_, surfels, std::move(hints), SeedOf(cell.key)).Run();
+      cell.patches =
+          CellFit(config_, surfels, octree.cell_size_m(), std::move(hints), SeedOf(cell.key)).Run();
       for (Patch& patch : cell.patches)
         patch.plane_world.offset_m += patch.plane_world.normal.dot(cell.centre_world);
     }

@@ -27,6 +27,9 @@ constexpr int kMostWeight = 4;
 constexpr int kMostLooks = 8;
 /// What speaks against what was seen before counts so many times.
 constexpr int kAgainst = 2;
+/// What was only ever seen more coarsely than a look sees it, and shows nothing in it, fades by this: the sky
+/// beyond an edge says no more against the surface than this.
+constexpr int kUnseen = 2;
 /// In every look a quarter of the cells has its turn, except in blocks that are new or where much has
 /// changed.
 constexpr int kNewLooks = 4;
@@ -143,7 +146,15 @@ void EvidenceLook::LookAtBlock(const PlaneInView& plane, const EvidenceGrid::Blo
         continue;
       const int column = static_cast<int>(u), row = static_cast<int>(v);
       const float seen = view_.disparity->disparity_px(row, column);
-      if (!(seen > 0.0F)) continue;
+      if (!(seen > 0.0F)) {
+        const int known = block->At(x, y);
+        if (known <= 0 || known > kMostLooks * (weight - 1)) continue;
+        const int left = std::max(known - kUnseen, 0);
+        for (int j = y; j < y + group; ++j)
+          for (int i = x; i < x + group; ++i) block->At(i, j) = static_cast<std::int8_t>(left);
+        result->num_flipped += known >= EvidenceGrid::kOn && left < EvidenceGrid::kOn ? group * group : 0;
+        continue;
+      }
       // Of the plane at the very pixel, not at the cell: no rounding comes between them.
       const float expected = plane.disparity.x() * static_cast<float>(column) +
                              plane.disparity.y() * static_cast<float>(row) + plane.disparity.z();

@@ -20,6 +20,10 @@ constexpr std::array<double, 2> kBeside_m{0.015, 0.03};
 /// Where it is asked, beyond the blur of the line, on which side this surface goes on; farther out the
 /// flatter the angle, since pixels beyond the line agree with both planes the longer.
 constexpr std::array<double, 5> kProbes_m{0.03, 0.045, 0.06, 0.08, 0.10};
+/// Where a surface seems to go on behind a face that rises from it, it does only when it is seen this far
+/// behind, too: nearer, the foot of a face far away agrees with both.
+constexpr std::array<double, 3> kFarProbes_m{0.3, 0.4, 0.5};
+constexpr int kGoesOnFar = 2;
 constexpr int kGoesOn = 4;   // probes
 constexpr int kClearly = 2;  // more of them
 /// How far beyond the line what agreed with this plane belongs to the other, at a right angle.
@@ -28,8 +32,12 @@ constexpr double kMostCut_m = 0.4;
 /// A gap before the line is closed up to here.
 constexpr double kFill_m = 0.035;
 constexpr double kLeastStretch_m = 0.04;
-/// A pixel holds a point of every square grid as fine as this, however the grid is turned: half its diagonal is
-/// less than half a pixel.
+/// The other surface is taken to go on where it was not seen for no longer than this.
+constexpr double kBridge_m = 0.15;
+/// A decision that holds for no longer than this, between two that are alike, is none.
+constexpr double kFlicker_m = 0.04;
+/// A pixel holds a point of every square grid as fine as this, however the grid is turned: half its diagonal
+/// is less than half a pixel.
 constexpr double kStride_px = 0.7;
 
 enum class Keep { kNothing, kFront, kBehind, kBoth };
@@ -92,28 +100,52 @@ class Joint {
 
   /// Cuts along the stretch [from, to] of the line, and appends where it did.
   void Cut(double from_m, double to_m, std::vector<EdgeLine>* lines) {
-    double began = from_m, last = from_m;
-    Keep keep_before = Keep::kNothing;
-    const auto end_stretch = [&] {
-      const bool one_side = keep_before == Keep::kFront || keep_before == Keep::kBehind;
-      if (one_side && last - began >= kLeastStretch_m)
-        lines->push_back({line_.point, line_.along, began, last});
-    };
-    for (double t = from_m; t <= to_m; t += kStride_px * bitmap_.pixel_m) {
-      const Eigen::Vector2d at = line_.point + t * line_.along;
-      const Keep keep = Decide(at);
-      if (keep != keep_before) {
-        end_stretch();
-        began = t;
-      }
-      if (keep != Keep::kNothing) Paint(at, keep);
-      last = t;
-      keep_before = keep;
+    const double step = kStride_px * bitmap_.pixel_m;
+    const auto at = [&](int i) -> Eigen::Vector2d { return line_.point + (from_m + i * step) * line_.along; };
+    std::vector<Stretch> stretches;
+    for (int i = 0; from_m + i * step <= to_m; ++i) {
+      const Keep keep = Decide(at(i));
+      if (stretches.empty() || stretches.back().keep != keep) stretches.push_back({keep, i, i});
+      stretches.back().end = i + 1;
     }
-    end_stretch();
+    Settle(step, &stretches);
+    for (const Stretch& stretch : stretches) {
+      if (stretch.keep == Keep::kNothing) continue;
+      for (int i = stretch.begin; i < stretch.end; ++i) Paint(at(i), stretch.keep);
+      const double began = from_m + stretch.begin * step, ended = from_m + (stretch.end - 1) * step;
+      if (stretch.keep != Keep::kBoth && ended - began >= kLeastStretch_m)
+        lines->push_back({line_.point, line_.along, began, ended});
+    }
   }
 
  private:
+  /// Points of the line, one after the other, at which the same is decided.
+  struct Stretch {
+    Keep keep;
+    int begin, end;
+  };
+
+  /// Short stretches between two alike are taken to be like them: where the decision flickers, and, somewhat
+  /// longer, where the other surface was not seen.
+  static void Settle(double step_m, std::vector<Stretch>* stretches) {
+    std::vector<Stretch> settled;
+    for (const Stretch& stretch : *stretches) {
+      settled.push_back(stretch);
+      while (settled.size() >= 3) {
+        const Stretch& before = settled[settled.size() - 3];
+        const Stretch& between = settled[settled.size() - 2];
+        const double longest = between.keep == Keep::kNothing ? kBridge_m : kFlicker_m;
+        if (before.keep != settled.back().keep || before.keep == Keep::kNothing ||
+            (between.end - between.begin) * step_m > longest)
+          break;
+        const Stretch joined{before.keep, before.begin, settled.back().end};
+        settled.resize(settled.size() - 3);
+        settled.push_back(joined);
+      }
+    }
+    *stretches = std::move(settled);
+  }
+
   /// On which sides of the line this surface goes on at one point of it.
   Keep Decide(const Eigen::Vector2d& at) {
     int front = 0, behind = 0;
@@ -132,8 +164,18 @@ class Joint {
     if (front >= behind + kClearly) return Keep::kFront;
     if (behind >= front + kClearly) return Keep::kBehind;
     // What rises from a surface hides what lies behind it; what falls away from it has it behind itself.
-    if (front >= kGoesOn && behind >= kGoesOn) return above ? Keep::kBoth : Keep::kNothing;
+    if (front >= kGoesOn && behind >= kGoesOn) {
+      if (!above) return Keep::kNothing;
+      const bool far_front = GoesOnFar(at, line_.to_front), far_behind = GoesOnFar(at, -line_.to_front);
+      if (far_front == far_behind) return Keep::kBoth;
+      return far_front ? Keep::kFront : Keep::kBehind;
+    }
     return above ? Keep::kFront : Keep::kBehind;
+  }
+
+  bool GoesOnFar(const Eigen::Vector2d& at, const Eigen::Vector2d& way) const {
+    return std::count_if(kFarProbes_m.begin(), kFarProbes_m.end(),
+                         [&](double d) { return bitmap_.OnAt(at + d * way); }) >= kGoesOnFar;
   }
 
   void Paint(const Eigen::Vector2d& at, Keep keep) {
@@ -144,7 +186,11 @@ class Joint {
     }
     const Eigen::Vector2d inside = keep == Keep::kFront ? line_.to_front : Eigen::Vector2d(-line_.to_front);
     const double depth = std::min(kMostCut_m, scale_ * kCut_m);
-    for (double d = 0.0; d <= depth; d += step) Bar(at - d * inside, inside);
+    for (double d = 0.0; d <= kMostCut_m; d += step) {
+      // Farther on only what hangs together with it.
+      if (d > depth && !bitmap_.OnAt(at - d * inside)) break;
+      Bar(at - d * inside, inside);
+    }
     double filled = 0.0;
     while (filled <= kFill_m && !bitmap_.OnAt(at + (filled + step) * inside)) filled += step;
     if (filled > kFill_m) return;

@@ -32,13 +32,14 @@ struct CommandOptions {
   double wait_s = 5.0;
 };
 
-constexpr std::array<std::pair<const char*, std::int8_t>, 6> kCommands{
+constexpr std::array<std::pair<const char*, std::int8_t>, 7> kCommands{
     std::pair{"reset_map", command_v1_t::RESET_MAP},
     {"pause", command_v1_t::PAUSE},
     {"resume", command_v1_t::RESUME},
     {"save_map", command_v1_t::SAVE_MAP},
     {"send_snapshot", command_v1_t::SEND_SNAPSHOT},
-    {"reload_config", command_v1_t::RELOAD_CONFIG}};
+    {"reload_config", command_v1_t::RELOAD_CONFIG},
+    {"keep_record", command_v1_t::KEEP_RECORD}};
 
 /// As people type it: SAVE_MAP, save_map or save-map.
 std::int8_t CommandNumber(std::string name) {
@@ -107,9 +108,12 @@ void AddCommandCommand(CLI::App& app) {
   auto options = std::make_shared<CommandOptions>();
   AddBusOptions(command, &options->bus);
   command
-      ->add_option("NAME", options->name, "reset_map, pause, resume, save_map, send_snapshot, reload_config")
+      ->add_option(
+          "NAME", options->name,
+          "reset_map, pause, resume, save_map, send_snapshot, reload_config; keep_record, to terrace record")
       ->required();
-  command->add_option("ARGUMENT", options->argument, "save_map: the name of the file");
+  command->add_option("ARGUMENT", options->argument,
+                      "save_map: the name of the file; keep_record: a word for its name");
   command->add_option("--wait", options->wait_s, "for the reply, in seconds")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();

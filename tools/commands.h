@@ -26,6 +26,7 @@ void AddDrawCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddListenCommand(CLI::App& app);
+void AddRecordCommand(CLI::App& app);
 void AddReportCommand(CLI::App& app);
 void AddStatusCommand(CLI::App& app);
 void AddSynthesizeCommand(CLI::App& app);

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   terrace::AddEvaluateCommand(app);
   terrace::AddInfoCommand(app);
   terrace::AddListenCommand(app);
+  terrace::AddRecordCommand(app);
   terrace::AddReportCommand(app);
   terrace::AddStatusCommand(app);
   terrace::AddSynthesizeCommand(app);

@@ -104,6 +104,21 @@ TEST(EvidenceLookTest, WhatHasLeftIsForgottenWithinHalfASecond) {
   EXPECT_EQ(num_left, 0);
 }
 
+TEST(EvidenceLookTest, WhatWasSeenFromAfarOnlyFadesWhereNothingIsSeenFromNear) {
+  Platform platform;
+  platform.Look(12);  // there is no floor below: beyond the platform nothing has a disparity
+  const auto set = [&](const Eigen::Vector2d& p, int evidence) {
+    const auto [key, cell] = platform.grid().Locate(p);
+    platform.grid().blocks().at(key).At(cell.x(), cell.y()) = static_cast<std::int8_t>(evidence);
+  };
+  const Eigen::Vector2d coarse(1.405, 0.355), fine(1.405, 0.405);
+  set(coarse, 8);  // as eight looks from afar leave it
+  set(fine, 32);   // as eight looks from near do
+  platform.Look(24);
+  EXPECT_LT(platform.grid().At(coarse), EvidenceGrid::kOn);
+  EXPECT_EQ(platform.grid().At(fine), 32);
+}
+
 TEST(EvidenceLookTest, APlaneSeenFromBehindGathersNothing) {
   Platform platform;
   platform.AddFloorBelow();

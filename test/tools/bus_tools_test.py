@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""`terrace status`, `terrace command` and `terrace doctor` against a live daemon: what they say and their exit codes."""
+"""`terrace status`, `command`, `doctor` and `record` beside a live daemon: what they say and their exit codes."""
+import glob
 import json
 import pathlib
 import signal
@@ -61,6 +62,29 @@ def check_doctor(terrace, log):
         assert words in page, page
 
 
+def check_record(terrace, terraced, log, folder):
+    """What the bus carried is kept on command, and replays."""
+    records = f"{folder}/records"
+    recorder = subprocess.Popen([terrace.program, "record", records, "--after", "0.5", "--url", URL],
+                                stderr=subprocess.PIPE, text=True)
+    assert "recording" in recorder.stderr.readline()
+    subprocess.run(["lcm-logplayer", "--speed=0.25", f"--lcm-url={URL}", log], check=True, stdout=subprocess.DEVNULL)
+    code, reply, complaint = terrace.run("command", "keep_record", "fell/../down", "--url", URL)
+    assert code == DONE and reply.endswith("_felldown.lcmlog\n"), (reply, complaint)
+    for line in recorder.stderr:
+        if "kept:" in line:
+            break
+    recorder.send_signal(signal.SIGINT)
+    recorder.communicate(timeout=60)
+    assert recorder.returncode == DONE
+    kept = glob.glob(f"{records}/*_felldown.lcmlog")
+    assert kept == [reply.strip()], (kept, reply)
+    done = subprocess.run([terraced, "replay", kept[0], "--output", f"{folder}/replayed"], capture_output=True, text=True)
+    assert done.returncode == DONE, done.stderr
+    stats = json.loads(pathlib.Path(folder, "replayed", "stats.json").read_text())
+    assert stats["frames"] == 12 and stats["tracked"] == 12, stats
+
+
 def check_with_input(terrace, log, folder):
     player = subprocess.Popen(["lcm-logplayer", "--speed=0.15", f"--lcm-url={URL}", log], stdout=subprocess.DEVNULL)
     status, rates = {}, {}
@@ -96,6 +120,7 @@ def main():
                 assert daemon.poll() is None
             check_without_input(terrace)
             check_doctor(terrace, log)
+            check_record(terrace, terraced, log, folder)
             check_with_input(terrace, log, folder)
         finally:
             daemon.send_signal(signal.SIGTERM)
