@@ -32,6 +32,8 @@ configure_file(cmake/terrace-client.pc.in ${PROJECT_BINARY_DIR}/terrace-client.p
 install(FILES ${PROJECT_BINARY_DIR}/terrace-client.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 install(DIRECTORY lcmtypes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace/lcmtypes FILES_MATCHING PATTERN "*.lcm")
+# scripts/viewer makes the page where there is npm; one page for every preset.
+install(FILES ${PROJECT_SOURCE_DIR}/build/viewer/index.html DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace RENAME view.html OPTIONAL)
 install(DIRECTORY datasets/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace OPTIONAL)
 install(FILES daemon/config/terraced.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/terrace)
 configure_file(daemon/terraced.service.in ${PROJECT_BINARY_DIR}/terraced.service @ONLY)

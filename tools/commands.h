@@ -28,8 +28,10 @@ void AddEvaluateCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddListenCommand(CLI::App& app);
 void AddRecordCommand(CLI::App& app);
+void AddReportCommand(CLI::App& app);
 void AddStatusCommand(CLI::App& app);
 void AddServeCommand(CLI::App& app);
 void AddSynthesizeCommand(CLI::App& app);
+void AddViewCommand(CLI::App& app);
 
 }  // namespace terrace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -13,11 +12,9 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "datasets/calibration_file.h"
-#include "datasets/sequence.h"
 #include "results/replay_result.h"
-#include "stereo/rectifier.h"
 #include "tools/commands.h"
+#include "tools/rectified_frames.h"
 #include "tools/terrain_picture.h"
 
 namespace terrace {
@@ -43,39 +40,23 @@ void Save(const cv::Mat3b& picture, const std::string& path) {
   std::printf("%s: %dx%d\n", path.c_str(), picture.cols, picture.rows);
 }
 
-/// Rectifies as the replay did.
-Rectifier RectifierOf(const StereoCalibration& calibration, const StereoCamera& camera) {
-  const Rectifier by_default(calibration);
-  const StereoCamera& view = by_default.camera();
-  if (view.width == camera.width && view.height == camera.height && std::abs(view.fx - camera.fx) < 1e-6)
-    return by_default;
-  return Rectifier(calibration,
-                   {camera.fx, std::to_string(camera.width) + "x" + std::to_string(camera.height)});
-}
-
 /// The wanted frame of a sequence, rectified: by number, by time, or the last one that has a pose.
 StereoFrame FindFrame(const DrawOptions& options, const StereoCamera& camera,
                       const std::vector<ResultPose>& trajectory) {
-  const auto sequence = OpenSequence(options.sequence);
-  const StereoCalibration& own = sequence->info().calibration;
-  StereoCalibration calibration = own;
-  if (!options.calibration.empty()) {
-    RigOptions rig_options;
-    rig_options.size = {own.width, own.height};
-    std::vector<std::string> notes;
-    calibration = ReadRig(options.calibration, &notes, rig_options);
-  }
-  const Rectifier rectifier = RectifierOf(calibration, camera);
   const std::int64_t last_ns = trajectory.empty() ? 0 : trajectory.back().t_capture.ns;
   const std::int64_t wanted_ns = options.time_ns >= 0 ? options.time_ns : last_ns;
-  while (const std::optional<SensorFrame> frame = sequence->Next()) {
-    const bool wanted =
-        options.frame >= 0 ? frame->frame_id == options.frame : frame->pair.t_capture.ns == wanted_ns;
-    if (!wanted) continue;
-    if (!frame->pair.problem.empty()) throw std::runtime_error(frame->pair.problem);
-    return rectifier.Rectify(frame->frame_id, frame->pair);
-  }
-  throw std::runtime_error(options.sequence + ": has no such frame");
+  std::optional<StereoFrame> found;
+  ForRectifiedFrames(
+      options.sequence, options.calibration, camera,
+      [&](const SensorFrame& frame) {
+        return options.frame >= 0 ? frame.frame_id == options.frame : frame.pair.t_capture.ns == wanted_ns;
+      },
+      [&](const StereoFrame& frame) {
+        found = frame;
+        return false;
+      });
+  if (!found) throw std::runtime_error(options.sequence + ": has no such frame");
+  return *found;
 }
 
 void DrawFrameOf(const DrawOptions& options) {

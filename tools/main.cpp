@@ -29,9 +29,11 @@ int main(int argc, char** argv) {
   terrace::AddInfoCommand(app);
   terrace::AddListenCommand(app);
   terrace::AddRecordCommand(app);
+  terrace::AddReportCommand(app);
   terrace::AddStatusCommand(app);
   terrace::AddServeCommand(app);
   terrace::AddSynthesizeCommand(app);
+  terrace::AddViewCommand(app);
 
   try {
     app.parse(argc, argv);  // runs the subcommand's callback
