@@ -32,6 +32,8 @@ constexpr int kAgainst = 2;
 /// What was only ever seen more coarsely than a look sees it, and shows nothing in it, fades by this: the sky
 /// beyond an edge says no more against the surface than this.
 constexpr int kUnseen = 2;
+constexpr float kSearchedShare = 0.9F;
+constexpr float kRightMargin_px = 16.0F;
 /// In every look a quarter of the cells has its turn, except in blocks that are new or where much has
 /// changed.
 constexpr int kNewLooks = 4;
@@ -127,13 +129,18 @@ class EvidenceLook::BlockLook {
   void Judge(const Pixel& pixel) {
     const float seen = view_.disparity->disparity_px(pixel.row, pixel.column);
     const int before = block_.At(pixel.x, pixel.y);
-    if (!(seen > 0.0F)) {
-      if (before > 0 && before <= kMostLooks * (weight_ - 1)) Set(pixel, std::max(before - kUnseen, 0));
-      return;
-    }
     // Of the plane at the very pixel, not at the cell: no rounding comes between them.
     const float expected = plane_.disparity.x() * static_cast<float>(pixel.column) +
                            plane_.disparity.y() * static_cast<float>(pixel.row) + plane_.disparity.z();
+    if (!(seen > 0.0F)) {
+      // What is nearer than was searched is not seen either, nor what the right image does not show.
+      const bool could_be_seen =
+          expected<kSearchedShare * view_.disparity->range_px&& static_cast<float>(pixel.column)> expected +
+          kRightMargin_px;
+      if (could_be_seen && before > 0 && before <= kMostLooks * (weight_ - 1))
+        Set(pixel, std::max(before - kUnseen, 0));
+      return;
+    }
     const float tolerance = kSigmas * view_.disparity->sigma_px(pixel.row, pixel.column) + kMatching_px +
                             plane_.fb * pixel.inverse_z * plane_.error_share;
     const int most = weight_ * kMostLooks;

@@ -54,7 +54,8 @@ Polygon MakePolygon(PolygonId id, const Surface& surface, const TracedPiece& pie
   polygon.plane_world = surface.plane_world;
   polygon.outline_world = Lift(surface, piece.outline);
   for (const Ring2& hole : piece.holes) polygon.holes_world.push_back(Lift(surface, hole));
-  polygon.area_m2 = piece.area_m2;
+  // Traced in the axes, from which the plane may have turned a little since.
+  polygon.area_m2 = piece.area_m2 / surface.plane_world.normal.dot(surface.anchor_normal);
   polygon.centroid_world = Lift(surface, piece.centroid);
   polygon.support = piece.support;
   polygon.rms_m = std::sqrt(surface.moments.MeanSquaredDistance(

@@ -15,8 +15,8 @@ namespace {
 
 /// Planes that meet at a flatter angle than this (sine; 7 deg) have no line of intersection to speak of.
 constexpr double kLeastSine = 0.12;
-/// So near to the line another surface must have been seen to meet this one there.
-constexpr std::array<double, 2> kBeside_m{0.015, 0.03};
+/// So far from this plane another surface must have been seen to meet it: nearer, pixels agree with both.
+constexpr std::array<double, 2> kApart_m{0.02, 0.035};
 /// Where it is asked, beyond the blur of the line, on which side this surface goes on; farther out the
 /// flatter the angle, since pixels beyond the line agree with both planes the longer.
 constexpr std::array<double, 5> kProbes_m{0.03, 0.045, 0.06, 0.08, 0.10};
@@ -156,7 +156,8 @@ class Joint {
     if (front + behind == 0) return Keep::kNothing;
     const Eigen::Vector2d on_other = other_frame_.ToPlane(frame_.ToWorld(at));
     bool above = false, below = false;  // the other surface, seen from this one
-    for (const double d : kBeside_m) {
+    for (const double apart : kApart_m) {
+      const double d = apart / line_.sine;
       above = above || other_evidence_.At(on_other + d * up_other_) >= EvidenceGrid::kOn;
       below = below || other_evidence_.At(on_other - d * up_other_) >= EvidenceGrid::kOn;
     }

@@ -25,6 +25,23 @@ bool IsCrumb(const TracedPiece& piece, const std::vector<TracedPiece>& pieces) {
   return piece.area_m2 < std::min(kCrumb_m2, kCrumbShare * largest_m2);
 }
 
+/// The pieces of before speak for the new ones that lie where they lay: a small piece may hold the middle of
+/// none of its patches.
+template <typename PieceAt>
+void VoteByPlace(const Surface& surface, const PieceAt& piece_at) {
+  constexpr std::size_t kSamples = 16;
+  for (std::size_t i = 0; i < surface.pieces.size(); ++i) {
+    const TracedPiece& before = surface.pieces[i];
+    const std::size_t step = before.outline.size() / kSamples + 1;
+    const auto num = static_cast<double>((before.outline.size() + step - 1) / step);
+    for (std::size_t v = 0; v < before.outline.size(); v += step) {
+      // A little inside.
+      const Eigen::Vector2d p = before.outline[v] + 0.3 * (before.centroid - before.outline[v]);
+      if (SurfacePiece* const piece = piece_at(p)) piece->votes[surface.polygons[i]] += before.area_m2 / num;
+    }
+  }
+}
+
 }  // namespace
 
 void CutPieces(SurfaceId id, const Neighbours& neighbours, const SurfaceStore& store,
@@ -53,17 +70,22 @@ void CutPieces(SurfaceId id, const Neighbours& neighbours, const SurfaceStore& s
     pieces->back().surface = id;
     pieces->back().traced = std::move(traced);
   }
+  const auto piece_at = [&](const Eigen::Vector2d& p) -> SurfacePiece* {
+    const int traced = tracer.PieceAt(p);
+    if (traced < 0 || piece_of[static_cast<std::size_t>(traced)] < 0) return nullptr;
+    return &(*pieces)[static_cast<std::size_t>(piece_of[static_cast<std::size_t>(traced)])];
+  };
+  VoteByPlace(surface, piece_at);
   const PlaneFrame frame = surface.Frame();
   for (const CellKey& key : surface.cells) {
     const std::vector<Member>& members = store.Find(key)->members;
     for (int i = 0; i < static_cast<int>(members.size()); ++i) {
       const Member& member = members[static_cast<std::size_t>(i)];
       if (member.surface != id) continue;
-      const int traced = tracer.PieceAt(frame.ToPlane(member.mean_world));
-      if (traced < 0 || piece_of[static_cast<std::size_t>(traced)] < 0) continue;
-      SurfacePiece& piece = (*pieces)[static_cast<std::size_t>(piece_of[static_cast<std::size_t>(traced)])];
-      if (member.polygon != 0) piece.votes[member.polygon] += member.patch.area_m2;
-      piece.members.push_back({key, i});
+      SurfacePiece* const piece = piece_at(frame.ToPlane(member.mean_world));
+      if (piece == nullptr) continue;
+      if (member.polygon != 0) piece->votes[member.polygon] += member.patch.area_m2;
+      piece->members.push_back({key, i});
     }
   }
 }

@@ -81,7 +81,7 @@ void OpenEvidence(const CellMembers& cell, const Member& member, Surface* surfac
   surface->evidence.Open(box.min(), box.max());
 }
 
-/// Lays the axes anew; evidence goes along.
+/// Lays the axes anew; evidence and pieces go along.
 void Anchor(Surface* surface) {
   const PlaneFrame before = surface->Frame();
   const EvidenceGrid evidence = std::exchange(surface->evidence, EvidenceGrid(surface->evidence.cell_m()));
@@ -89,6 +89,14 @@ void Anchor(Surface* surface) {
   surface->axes = AxesOf(surface->anchor_normal);
   surface->trace_now = true;
   AdoptEvidence(before, evidence, surface);
+  const PlaneFrame after = surface->Frame();
+  const auto move = [&](Eigen::Vector2d* p) { *p = after.ToPlane(before.ToWorld(*p)); };
+  for (TracedPiece& piece : surface->pieces) {
+    move(&piece.centroid);
+    for (Eigen::Vector2d& p : piece.outline) move(&p);
+    for (Ring2& hole : piece.holes)
+      for (Eigen::Vector2d& p : hole) move(&p);
+  }
 }
 
 }  // namespace

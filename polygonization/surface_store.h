@@ -71,7 +71,7 @@ struct Surface {
   std::vector<PolygonId> polygons;
   std::vector<TracedPiece> pieces;  ///< of the polygons, as last traced
   FrameId traced_frame = 0;
-  bool trace_now = true;  ///< the pieces are missing or of other axes
+  bool trace_now = true;  ///< the pieces are missing, or of two surfaces
 
   PlaneFrame Frame() const { return {plane_world, origin_world, axes, anchor_normal}; }
 };

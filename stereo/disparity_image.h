@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+
 #include <opencv2/core/mat.hpp>
 
 #include "core/time.h"
@@ -24,6 +26,8 @@ struct DisparityImage {
   /// Of the same, those whose best disparity is the last one of the search, or beyond what the settings
   /// allow: what they show is probably nearer still.
   float limit_share = 0.0f;
+  /// Greatest disparity that was searched for; what is nearer is unknown.
+  float range_px = std::numeric_limits<float>::infinity();
 };
 
 }  // namespace terrace

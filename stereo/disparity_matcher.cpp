@@ -171,6 +171,7 @@ class DisparityMatcher::Impl {
     result.row_offsets = found.row_offsets;
     result.no_match_share = found.no_match_share;
     result.limit_share = found.limit_share;
+    result.range_px = found.range_px;
     return result;
   }
 
@@ -187,6 +188,7 @@ class DisparityMatcher::Impl {
     }
     result.no_match_share = static_cast<float>(half_matcher_.doubtful().share());
     result.limit_share = static_cast<float>(half_matcher_.doubtful().share_at_limit());
+    result.range_px = static_cast<float>(range_px_);
     units_.Set(result.disparity_px);
     edges_.Sharpen(frame.left, right_, units_, {&steep_, 2});
     refiner_.Refine(frame.left, right_, units_, result.disparity_px, &result.sigma_px, {&steep_, 2});
