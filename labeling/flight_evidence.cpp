@@ -105,14 +105,24 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
   return evidence;
 }
 
+/// Three treads above each other with the same sides, and not one face between them where all is seen
+/// sharply: its risers are open, and none is missed.
+bool HasOpenRisers(const Evidence& evidence) {
+  constexpr int kMinTreads = 3;
+  const bool any_riser =
+      std::any_of(evidence.seen.begin(), evidence.seen.end(), [](const StepKey& key) { return key.second; });
+  return !any_riser && evidence.sides_agree && static_cast<int>(evidence.seen.size()) >= kMinTreads;
+}
+
 /// The steps that the camera could see from where it is, and those that were seen.
 std::set<StepKey> StepsToBeSeen(const FlightModel& model, const FlightEnds& ends, const Sight& sight,
-                                const std::set<StepKey>& seen) {
+                                const Evidence& evidence) {
   constexpr double kAboveTread = 0.05;  // lower than this over a tread, the camera sees a line of it
-  std::set<StepKey> steps = seen;
+  std::set<StepKey> steps = evidence.seen;
+  const bool open = HasOpenRisers(evidence);
   for (int k = 1; k <= ends.num_risers(); ++k) {
     const Eigen::Vector2d edge = model.EdgePoint(k, model.lateral.middle());
-    if (model.UpAt(k).dot(edge - sight.eye().head<2>()) > 0.0) steps.insert({k, true});
+    if (!open && model.UpAt(k).dot(edge - sight.eye().head<2>()) > 0.0) steps.insert({k, true});
     if (k <= ends.num_treads() && sight.eye().z() > model.foot_z + k * model.rise_m + kAboveTread)
       steps.insert({k, false});
   }
@@ -169,7 +179,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   found.model.foot_z = stride.z0 + (ends.first_step - 1) * stride.rise;
   // From afar all steps are missed that are not seen: what hides and what blurs cannot be told apart.
   const bool sharp = SeenSharply(evidence.members, shapes, stride.rise);
-  const std::size_t num_to_see = sharp ? StepsToBeSeen(found.model, ends, sight, evidence.seen).size()
+  const std::size_t num_to_see = sharp ? StepsToBeSeen(found.model, ends, sight, evidence).size()
                                        : static_cast<std::size_t>(ends.num_risers() + ends.num_treads());
   const double seen = static_cast<double>(num_steps) / static_cast<double>(num_to_see);
 
