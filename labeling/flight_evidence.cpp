@@ -55,10 +55,11 @@ constexpr double kFaceHeightSigma = 0.015;
 constexpr double kFacePlaceSigma = 0.010;
 constexpr double kTreadFrontSigma = 0.025;
 
-bool SidesAgree(const std::vector<Interval>& sides) {
+/// @param sides  of each step, all its fragments together
+bool SidesAgree(const std::map<StepKey, Interval>& sides) {
   constexpr double kSame = 0.8;
-  for (const Interval& a : sides)
-    for (const Interval& b : sides)
+  for (const auto& [step_a, a] : sides)
+    for (const auto& [step_b, b] : sides)
       if (a.Overlap(b) < kSame * std::min(a.length(), b.length())) return false;
   return true;
 }
@@ -70,7 +71,7 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
   std::map<StepKey, double> area;  // of all fragments of a step
   for (const StepFit& fit : flight.fits)
     area[{fit.step_index, flight.elements[fit.element].riser}] += flight.elements[fit.element].area_m2;
-  std::vector<Interval> sides;
+  std::map<StepKey, Interval> sides;
   for (const StepFit& fit : flight.fits) {
     const StepElement& e = flight.elements[fit.element];
     const int k = fit.step_index - ends.first_step + 1;
@@ -81,7 +82,8 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
       evidence.members.push_back({e.shape, e.riser, k, e.leaning});
     evidence.seen.insert({k, e.riser});
     levels.insert(k);
-    sides.push_back(e.lateral);
+    Interval& side = sides.try_emplace({k, e.riser}, e.lateral).first->second;
+    side = {std::min(side.low, e.lateral.low), std::max(side.high, e.lateral.high)};
     const double share = e.area_m2 / std::max(1e-9, area[{fit.step_index, e.riser}]);
     const double edge = stride.EdgeAt(fit.step_index);
     const double along = flight.frame->Unwrapped(e.along.low, edge) - edge;
