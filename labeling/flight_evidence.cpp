@@ -55,10 +55,11 @@ constexpr double kFaceHeightSigma = 0.015;
 constexpr double kFacePlaceSigma = 0.010;
 constexpr double kTreadFrontSigma = 0.025;
 
-bool SidesAgree(const std::vector<Interval>& sides) {
+/// @param sides  of each step, all its fragments together
+bool SidesAgree(const std::map<StepKey, Interval>& sides) {
   constexpr double kSame = 0.8;
-  for (const Interval& a : sides)
-    for (const Interval& b : sides)
+  for (const auto& [step_a, a] : sides)
+    for (const auto& [step_b, b] : sides)
       if (a.Overlap(b) < kSame * std::min(a.length(), b.length())) return false;
   return true;
 }
@@ -70,7 +71,7 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
   std::map<StepKey, double> area;  // of all fragments of a step
   for (const StepFit& fit : flight.fits)
     area[{fit.step_index, flight.elements[fit.element].riser}] += flight.elements[fit.element].area_m2;
-  std::vector<Interval> sides;
+  std::map<StepKey, Interval> sides;
   for (const StepFit& fit : flight.fits) {
     const StepElement& e = flight.elements[fit.element];
     const int k = fit.step_index - ends.first_step + 1;
@@ -81,7 +82,8 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
       evidence.members.push_back({e.shape, e.riser, k, e.leaning});
     evidence.seen.insert({k, e.riser});
     levels.insert(k);
-    sides.push_back(e.lateral);
+    Interval& side = sides.try_emplace({k, e.riser}, e.lateral).first->second;
+    side = {std::min(side.low, e.lateral.low), std::max(side.high, e.lateral.high)};
     const double share = e.area_m2 / std::max(1e-9, area[{fit.step_index, e.riser}]);
     const double edge = stride.EdgeAt(fit.step_index);
     const double along = flight.frame->Unwrapped(e.along.low, edge) - edge;
@@ -105,14 +107,24 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
   return evidence;
 }
 
+/// Three treads above each other with the same sides, and not one face between them where all is seen
+/// sharply: its risers are open, and none is missed.
+bool HasOpenRisers(const Evidence& evidence) {
+  constexpr int kMinTreads = 3;
+  const bool any_riser =
+      std::any_of(evidence.seen.begin(), evidence.seen.end(), [](const StepKey& key) { return key.second; });
+  return !any_riser && evidence.sides_agree && static_cast<int>(evidence.seen.size()) >= kMinTreads;
+}
+
 /// The steps that the camera could see from where it is, and those that were seen.
 std::set<StepKey> StepsToBeSeen(const FlightModel& model, const FlightEnds& ends, const Sight& sight,
-                                const std::set<StepKey>& seen) {
+                                const Evidence& evidence) {
   constexpr double kAboveTread = 0.05;  // lower than this over a tread, the camera sees a line of it
-  std::set<StepKey> steps = seen;
+  std::set<StepKey> steps = evidence.seen;
+  const bool open = HasOpenRisers(evidence);
   for (int k = 1; k <= ends.num_risers(); ++k) {
     const Eigen::Vector2d edge = model.EdgePoint(k, model.lateral.middle());
-    if (model.UpAt(k).dot(edge - sight.eye().head<2>()) > 0.0) steps.insert({k, true});
+    if (!open && model.UpAt(k).dot(edge - sight.eye().head<2>()) > 0.0) steps.insert({k, true});
     if (k <= ends.num_treads() && sight.eye().z() > model.foot_z + k * model.rise_m + kAboveTread)
       steps.insert({k, false});
   }
@@ -169,7 +181,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   found.model.foot_z = stride.z0 + (ends.first_step - 1) * stride.rise;
   // From afar all steps are missed that are not seen: what hides and what blurs cannot be told apart.
   const bool sharp = SeenSharply(evidence.members, shapes, stride.rise);
-  const std::size_t num_to_see = sharp ? StepsToBeSeen(found.model, ends, sight, evidence.seen).size()
+  const std::size_t num_to_see = sharp ? StepsToBeSeen(found.model, ends, sight, evidence).size()
                                        : static_cast<std::size_t>(ends.num_risers() + ends.num_treads());
   const double seen = static_cast<double>(num_steps) / static_cast<double>(num_to_see);
 

@@ -81,8 +81,11 @@ std::vector<int> StanceMemory::Seeds(const std::vector<RegionShapePtr>& shapes,
     if (i >= 0) seeds.push_back(i);
   }
   at_feet_ = !seeds.empty();
+  disagrees_ = false;
   if (seeds.empty() && !past_.empty()) {
     const int i = LargestSupportBelow(shapes, R_level_world * past_.back().ground_world);
+    constexpr double kLarge_m2 = 1.0;
+    disagrees_ = i >= 0 && shapes[i]->area_m2 >= kLarge_m2;
     if (i >= 0) seeds.push_back(i);
   }
   std::sort(seeds.begin(), seeds.end());

@@ -31,6 +31,9 @@ class StanceMemory {
   /// True when the last Seeds() found ground at the height of the feet, where the robot is or where it was;
   /// else they are a guess.
   bool at_feet() const { return at_feet_; }
+  /// True when there was none, but large ground at another height: what the settings say and what is seen
+  /// disagree.
+  bool disagrees() const { return disagrees_; }
 
  private:
   struct Stance {
@@ -39,6 +42,7 @@ class StanceMemory {
   };
   StanceLimits limits_;
   bool at_feet_ = false;
+  bool disagrees_ = false;
   std::vector<Stance> past_;  ///< thinned out; the last one is where the robot is now
 };
 

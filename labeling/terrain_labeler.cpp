@@ -143,7 +143,7 @@ class TerrainLabeler::Impl {
                         const std::vector<Verdict>& verdicts) {
     // Where up is a guess, or what the robot stands on, so is every label.
     constexpr double kMaxAssumed = 0.5;
-    const bool guess = gravity.source == GravitySource::kAssumed || !stances_.at_feet();
+    const bool guess = gravity.source == GravitySource::kAssumed || stances_.disagrees();
     const double cap = guess ? kMaxAssumed : 1.0;
     auto map = std::make_shared<TerrainMap>();
     map->t_capture = update.t_capture;

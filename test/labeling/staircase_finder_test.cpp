@@ -117,5 +117,23 @@ TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
   EXPECT_LT(rms, 1.4);
 }
 
+TEST(StaircaseFinderTest, MissesNoRisersWhereTheyAreOpen) {
+  // Three treads are in view, the next are above the image and the landing is not seen.
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {2.5, 0, 0}, 5, 4);
+  for (int k = 1; k <= 2; ++k)
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + 0.28 * (k - 0.5), 0, 0.155 * k}, 0.30, 0.95);
+  // Of the third two fragments.
+  for (const double side : {-0.25, 0.25})
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + 0.28 * 2.5, side, 0.155 * 3}, 0.30, 0.45);
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(ShapesOf(scene.Update().polygons), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 3);
+  EXPECT_NEAR(found[0].model.rise_m, 0.155, 0.002);
+}
+
 }  // namespace
 }  // namespace terrace

@@ -54,6 +54,17 @@ TEST(StanceMemoryTest, SaysThatItGuessesWhenNoGroundIsAtItsFeet) {
   stances.Stand({0, 0, 0.36}, kLevel);
   EXPECT_THAT(stances.Seeds(StanceShapes(scene), kLevel), ElementsAre(1));
   EXPECT_FALSE(stances.at_feet());
+  EXPECT_TRUE(stances.disagrees());
+}
+
+TEST(StanceMemoryTest, DoesNotDisagreeWhereHardlyAnyGroundIsSeen) {
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kStairTread, {1, 0, -0.3}, 0.28, 1.0);
+  StanceMemory stances(kStanceLimits);
+  stances.Stand({0, 0, 0.36}, kLevel);
+  stances.Seeds(StanceShapes(scene), kLevel);
+  EXPECT_FALSE(stances.at_feet());
+  EXPECT_FALSE(stances.disagrees());
 }
 
 }  // namespace
