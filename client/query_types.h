@@ -37,7 +37,7 @@ inline constexpr LabelSet kAllLabels{
 struct Support {
   Eigen::Vector3d point_world = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_world = Eigen::Vector3d::UnitZ();
-  double sigma_height_m = 0.0;  ///< of the point's height along z, by the plane's covariance
+  double sigma_height_m = 0.0;  ///< of the point's height along z, by the plane's covariance; NaN: not known
   /// To the region's nearest edge, of whatever kind, along its plane; and what is there.
   double edge_distance_m = std::numeric_limits<double>::infinity();
   RegionEdge edge;

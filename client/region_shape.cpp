@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace terrace {
 
@@ -27,6 +28,8 @@ RegionShape::RegionShape(const TerrainRegion& region)
 }
 
 double RegionShape::SigmaHeight(const Eigen::Vector2d& flat) const {
+  // No plane is known exactly: zeros are what a map has that came from a file without covariances.
+  if (covariance_.isZero(0.0)) return std::numeric_limits<double>::quiet_NaN();
   // A tilt about x lifts what lies at +y, one about y lowers what lies at +x.
   const Eigen::Vector3d lift(flat.y(), -flat.x(), 1.0);
   return std::sqrt(std::max(0.0, lift.dot(covariance_ * lift))) / std::abs(normal_.z());

@@ -41,7 +41,7 @@ class RegionShape {
     return centroid_.z() -
            (normal_.x() * (xy.x() - centroid_.x()) + normal_.y() * (xy.y() - centroid_.y())) / normal_.z();
   }
-  /// Standard deviation along z of the plane's height at a point of it.
+  /// Standard deviation along z of the plane's height at a point of it; NaN: not known.
   double SigmaHeight(const Eigen::Vector2d& flat) const;
   /// Whether it faces up enough (60 deg) to be the ground under something.
   bool carries() const { return normal_.z() > 0.5; }

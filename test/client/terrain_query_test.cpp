@@ -155,6 +155,16 @@ TEST(TerrainQueryTest, SigmaOfHeightIsWhatPlanesDrawnFromTheCovarianceScatterBy)
   EXPECT_NEAR(told, std::sqrt(sum_squares / kDraws), 0.03 * told);
 }
 
+TEST(TerrainQueryTest, APlaneWithoutCovarianceIsNotKnownExactlyButNotKnown) {
+  const auto region = MadeRegion(1, TerrainLabel::kWalkway, LevelAt(0), Rectangle(-1, -1, 1, 1));
+  region->plane_covariance.setZero();
+  const TerrainQuery query(MadeMap({region}));
+  EXPECT_TRUE(std::isnan(query.SupportAt({0, 0}, -1, 1)->sigma_height_m));
+  const HeightCell cell = query.Heights({}).at(10, 10);
+  EXPECT_TRUE(cell.known());
+  EXPECT_TRUE(std::isnan(cell.sigma_m));
+}
+
 TEST(TerrainQueryTest, FootholdsKeepClearOfEdgesByTheirKindAndNoneNearerIsMissed) {
   ScatteredTerrain terrain(2);
   const TerrainQuery query(terrain.Map(60, 2.0));

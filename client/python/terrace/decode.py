@@ -52,11 +52,13 @@ def region_of(pieces):
     if not rings or min(map(len, rings)) < 3 or not 0 <= first.source < len(SOURCES):
         raise ValueError("a region is none")
     c = first.plane_cov
+    # No plane is known exactly: zeros are what a map has that came from a file without covariances.
+    plane_cov = ((c[0], c[1], c[2]), (c[1], c[3], c[4]), (c[2], c[4], c[5])) if any(c) else None
     label = LABELS[first.label] if 0 <= first.label < len(LABELS) else "unknown"
     return Region(
         id=first.id, revision=first.revision, label=label, confidence=first.confidence, normal=normal,
         origin=tuple(first.origin), rings=rings, edges=edges, area_m2=first.area, source=SOURCES[first.source],
-        plane_cov=((c[0], c[1], c[2]), (c[1], c[3], c[4]), (c[2], c[4], c[5])), axes=(x_axis, y_axis), why=first.why,
+        plane_cov=plane_cov, axes=(x_axis, y_axis), why=first.why,
         first_seen_ns=1000 * first.first_utime, last_seen_ns=1000 * first.last_utime,
         staircase_id=first.staircase_id or None, step_index=first.step_index or None)
 
