@@ -24,7 +24,8 @@ std::vector<MovingRowMatch> FollowMatches(const std::vector<RowMatch>& matches, 
 struct PairDelay {
   int num_matches = 0;
   double delay_s = 0.0;
-  double sigma_s = 0.0;         ///< of the fit
+  double fit_sigma_s = 0.0;     ///< how well points and rows tell it
+  double sigma_s = 0.0;         ///< with what velocities are off by
   double row_speed_px_s = 0.0;  ///< what it was told by: mean of the points' |row_velocity_px_s|
 
   /// Whether the image moved enough up and down to tell.
