@@ -19,6 +19,7 @@
 #include "daemon/mapper_run.h"
 #include "daemon/service_notice.h"
 #include "daemon/sinks.h"
+#include "daemon/state_log.h"
 #include "daemon/status_reporter.h"
 #include "daemon/terrain_publisher.h"
 #include "daemon/thread_priority.h"
@@ -170,6 +171,14 @@ class LiveNode {
     }
     reporter_.Send(status);
     service_.Tell(status);
+    LogChange(status);
+  }
+
+  void LogChange(const Status& status) {
+    // That there is no calibration has been said, in more words.
+    if (status.state == DaemonState::kNoCalibration) return;
+    const std::optional<StateLog::Line> line = state_log_.Add(status);
+    if (line) spdlog::log(line->is_trouble ? spdlog::level::warn : spdlog::level::info, "{}", line->text);
   }
 
   static void SetFlow(const FlowCounts& counts, Status* status) {
@@ -221,6 +230,7 @@ class LiveNode {
   StatusReporter reporter_;
   CommandObeyer obeyer_;
   ServiceNotice service_;
+  StateLog state_log_;
   std::optional<LiveInput> input_;
   std::unique_ptr<LiveMapper> mapper_;
   bool paused_ = false;

@@ -4,6 +4,7 @@
 #include "datasets/calibration_assembly.h"
 #include "datasets/calibration_formats.h"
 #include "datasets/folder_sequence.h"
+#include "datasets/opencv_xml.h"
 
 namespace terrace {
 namespace {
@@ -44,6 +45,7 @@ CalibrationParts ReadOneFile(const fs::path& path, const ImageSize& size) {
   if (holds("Intrinsic of \"")) return ReadRealSenseText(text, where, size);
   if (holds("P_rect_0") && holds("S_0")) return ReadKittiRaw(text, where, size);
   if (text.rfind("P0:", 0) == 0) return ReadKittiOdometry(text, where);
+  if (holds("<opencv_storage")) return ReadTree(ParseYaml(YamlFromOpenCvXml(text, where), where), path);
   return ReadTree(ParseYaml(text, where), path);
 }
 

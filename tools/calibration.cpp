@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -23,6 +24,7 @@
 #include "stereo/rectifier.h"
 #include "stereo/row_alignment.h"
 #include "tools/commands.h"
+#include "tools/pair_delay.h"
 
 namespace terrace {
 namespace {
@@ -176,6 +178,19 @@ void PrintAlignment(const RowAlignment& found, const StereoCamera& camera) {
       1e3 * camera.DepthSigma(2.0, found.median_px), 1e3 * camera.DepthSigma(2.0, found.p95_px));
 }
 
+void PrintDelay(const PairDelay& delay) {
+  if (!delay.told()) {
+    std::printf("  delay: cannot be told, the image moves by %.0f rows a second; walk, or nod the camera\n",
+                delay.row_speed_px_s);
+    return;
+  }
+  std::printf(
+      "  delay: the right camera is %+.2f +- %.2f ms late; rows move by %.0f a second, which makes %.2f px "
+      "of it\n",
+      1e3 * delay.delay_s, 1e3 * delay.sigma_s, delay.row_speed_px_s,
+      std::abs(delay.delay_s) * delay.row_speed_px_s);
+}
+
 /// Epipolar errors of a recording under a calibration.
 void CheckRows(const CalibrationOptions& options, const StereoCalibration& rig) {
   const auto sequence = OpenSequence(options.check);
@@ -187,13 +202,25 @@ void CheckRows(const CalibrationOptions& options, const StereoCalibration& rig) 
   RowMatchConfig config;
   config.max_disparity_px = rectifier.camera().width / 4;
   std::vector<RowMatch> matches;
+  std::vector<MovingRowMatch> moving;
   cv::Mat1b last_left;
+  std::deque<StereoFrame> three;  // one that is looked at, between its neighbours
   while (const std::optional<SensorFrame> frame = sequence->Next()) {
-    if (frame->frame_id % every != 0 || !frame->pair.problem.empty()) continue;
-    const StereoFrame rectified = rectifier.Rectify(frame->frame_id, frame->pair);
-    const std::vector<RowMatch> found = MatchAcrossRows(rectified, config);
-    matches.insert(matches.end(), found.begin(), found.end());
-    last_left = rectified.left;
+    if (!frame->pair.problem.empty()) continue;
+    // A short recording is looked at whole.
+    const std::int64_t place = every > 2 ? (frame->frame_id + 1) % every : 1;
+    if (place > 2) continue;
+    three.push_back(rectifier.Rectify(frame->frame_id, frame->pair));
+    if (three.size() > 3) three.pop_front();
+    if (place == 1) {
+      const std::vector<RowMatch> found = MatchAcrossRows(three.back(), config);
+      matches.insert(matches.end(), found.begin(), found.end());
+      last_left = three.back().left;
+    }
+    if (three.size() < 3 || three[2].frame_id - three[0].frame_id != 2 || (every > 2 && place != 2)) continue;
+    const std::vector<MovingRowMatch> found =
+        FollowMatches(MatchAcrossRows(three[1], config), three[0], three[1], three[2]);
+    moving.insert(moving.end(), found.begin(), found.end());
   }
   std::printf("%s: checked\n", options.check.c_str());
   const RowAlignment alignment = EstimateRowAlignment(matches, rectifier.camera());
@@ -203,6 +230,7 @@ void CheckRows(const CalibrationOptions& options, const StereoCalibration& rig) 
         " points are found in both images, too few to say anything: is it the right calibration?");
   }
   PrintAlignment(alignment, rectifier.camera());
+  PrintDelay(EstimateDelay(moving, rectifier.camera()));
   if (!options.picture.empty()) DrawRowErrors(last_left, matches, options.picture);
 }
 

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "core/file_bytes.h"
+#include "datasets/calibration_file.h"
 #include "datasets/ground_truth.h"
+#include "datasets/image_file.h"
+#include "datasets/image_names.h"
 #include "datasets/lcm_log_writer.h"
 #include "datasets/sequence.h"
+#include "tools/camera_pairs.h"
 #include "tools/commands.h"
 
 namespace terrace {
@@ -21,6 +29,9 @@ struct ConvertOptions {
   std::filesystem::path log;
   std::string images = "raw";
   bool overwrite = false;
+  bool side_by_side = false;
+  std::string calibration;
+  double rate_hz = 30.0;
 };
 
 /// Gone when nobody renamed it.
@@ -44,11 +55,88 @@ std::vector<TimedPose> TruePosesOf(const SequenceInfo& info) {
   return TruePosesForLog(LoadTrueTrajectory(info.path), info.calibration);
 }
 
+/// What a log was made of, and what of it could not be used.
+struct ConvertCounts {
+  std::int64_t num_frames = 0, num_bad = 0, num_imu = 0, num_priors = 0;
+
+  void Add(const SensorFrame& frame) {
+    ++num_frames;
+    num_bad += frame.pair.problem.empty() ? 0 : 1;
+    num_imu += static_cast<std::int64_t>(frame.samples.imu.size());
+    num_priors += static_cast<std::int64_t>(frame.samples.priors.size());
+  }
+  void Print(const std::filesystem::path& log) const {
+    std::printf("%s: %lld stereo pairs (%lld unreadable), %lld IMU samples, %lld priors, %.1f MB\n",
+                log.c_str(), static_cast<long long>(num_frames), static_cast<long long>(num_bad),
+                static_cast<long long>(num_imu), static_cast<long long>(num_priors),
+                static_cast<double>(std::filesystem::file_size(log)) * 1e-6);
+  }
+};
+
+/// Both images of a file, the left half and the right one; a problem where it cannot be read.
+StereoPair HalvesOf(const std::filesystem::path& file, PairMaker* halves) {
+  StereoPair pair;
+  try {
+    GrayImage both = ReadGrayImage(file);
+    if (both.width % 2 != 0)
+      throw FileError(file.string() + ": an odd width cannot be two images side by side");
+    RawFrame frame;
+    frame.width = both.width;
+    frame.height = both.height;
+    frame.data = std::move(both.data);
+    pair = *halves->Add(0, std::move(frame));
+  } catch (const FileError& error) {
+    pair.problem = error.what();
+  }
+  return pair;
+}
+
+/// A folder of images that hold both cameras side by side, named by frame or by time.
+void ConvertSideBySide(const ConvertOptions& options) {
+  if (options.calibration.empty())
+    throw UsageError("--side-by-side needs --calibration: images do not carry one");
+  std::vector<std::string> notes;
+  const StereoCalibration rig = ReadRig(SplitFileList(options.calibration), &notes);
+  for (const std::string& note : notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+  const ImageNames names = ListImageNames(options.sequence);
+  if (names.by_number.empty()) {
+    throw SequenceError(
+        options.sequence.string() +
+        ": holds no images that are named by frame or time; of a video ffmpeg makes them: ffmpeg -i VIDEO "
+        "FOLDER/%06d.png");
+  }
+  const UnfinishedFile unfinished(options.log.string() + ".unfinished");
+  LcmLogWriter writer(unfinished.path(), rig, {}, *ImageEncodingFromName(options.images));
+  PairMaker halves{CameraConfig{}};
+  ConvertCounts counts;
+  for (const auto& [number, name] : names.by_number) {
+    SensorFrame frame;
+    frame.pair = HalvesOf(options.sequence / name, &halves);
+    // Of frames that are only counted nobody knows the day: the first minute of the epoch is as good as any.
+    constexpr double kStartS = 60.0;
+    frame.pair.t_capture.ns =
+        names.are_times ? number
+                        : std::llround(1e9 * (kStartS + static_cast<double>(number) / options.rate_hz));
+    if (frame.pair.problem.empty() &&
+        (frame.pair.left.width != rig.width || frame.pair.left.height != rig.height)) {
+      throw SequenceError(name + ": each half is " + std::to_string(frame.pair.left.width) + "x" +
+                          std::to_string(frame.pair.left.height) + ", the calibration is for " +
+                          std::to_string(rig.width) + "x" + std::to_string(rig.height));
+    }
+    writer.Add(frame);
+    counts.Add(frame);
+  }
+  writer.Finish();
+  std::filesystem::rename(unfinished.path(), options.log);
+  counts.Print(options.log);
+}
+
 void Convert(const ConvertOptions& options) {
   namespace fs = std::filesystem;
   if (fs::exists(options.log) && !options.overwrite) {
     throw UsageError(options.log.string() + ": exists; --overwrite replaces it");
   }
+  if (options.side_by_side) return ConvertSideBySide(options);
   const std::unique_ptr<Sequence> sequence = OpenSequence(options.sequence);
   const SequenceInfo& info = sequence->info();
   for (const std::string& warning : info.warnings) std::fprintf(stderr, "note: %s\n", warning.c_str());
@@ -60,20 +148,14 @@ void Convert(const ConvertOptions& options) {
   const UnfinishedFile unfinished(options.log.string() + ".unfinished");
   LcmLogWriter writer(unfinished.path(), info.calibration, TruePosesOf(info),
                       *ImageEncodingFromName(options.images));
-  std::int64_t num_frames = 0, num_bad = 0, num_imu = 0, num_priors = 0;
+  ConvertCounts counts;
   while (const std::optional<SensorFrame> frame = sequence->Next()) {
     writer.Add(*frame);
-    ++num_frames;
-    num_bad += frame->pair.problem.empty() ? 0 : 1;
-    num_imu += static_cast<std::int64_t>(frame->samples.imu.size());
-    num_priors += static_cast<std::int64_t>(frame->samples.priors.size());
+    counts.Add(*frame);
   }
   writer.Finish();
   fs::rename(unfinished.path(), options.log);
-  std::printf("%s: %lld stereo pairs (%lld unreadable), %lld IMU samples, %lld priors, %.1f MB\n",
-              options.log.c_str(), static_cast<long long>(num_frames), static_cast<long long>(num_bad),
-              static_cast<long long>(num_imu), static_cast<long long>(num_priors),
-              static_cast<double>(fs::file_size(options.log)) * 1e-6);
+  counts.Print(options.log);
 }
 
 }  // namespace
@@ -91,6 +173,16 @@ void AddConvertCommand(CLI::App& app) {
       ->check(CLI::IsMember({"raw", "lossless", "mjpeg"}))
       ->capture_default_str();
   command->add_flag("--overwrite", options->overwrite, "replace OUT");
+  command->add_flag("--side-by-side", options->side_by_side,
+                    "SEQUENCE is a folder of images that hold both cameras, named by frame or by time");
+  command->add_option(
+      "--calibration", options->calibration,
+      "with --side-by-side: files of any tool that terrace calibration reads, commas between");
+  command
+      ->add_option("--rate", options->rate_hz,
+                   "with --side-by-side: frames a second, where names are no times")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
   command->callback([options] { Convert(*options); });
 }
 

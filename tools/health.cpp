@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/print.h"
+#include "daemon/state_log.h"
 
 namespace terrace {
 namespace {
@@ -38,32 +39,6 @@ std::string CodeOf(ReasonCode reason) {
   std::string code = Name(reason);
   std::replace(code.begin(), code.end(), ' ', '_');
   return code;
-}
-
-std::string RemedyFor(ReasonCode reason) {
-  switch (reason) {
-    case ReasonCode::kUnreadableImages:
-      return "look at what the camera sends: terrace doctor";
-    case ReasonCode::kFewFeatures:
-      return "light, lens cap, exposure and blur: terrace doctor measures them";
-    case ReasonCode::kNotFoundAgain:
-      return "move back to where the map is; or give an IMU or leg odometry, which bridge longer";
-    case ReasonCode::kAmbiguousMotion:
-      return "the view repeats itself or moves as a whole: give an IMU or leg odometry, mask the robot's own "
-             "body";
-    case ReasonCode::kNoImages:
-      return "start the camera (terrace camera); its channel is channels.images; terrace doctor checks the "
-             "network";
-    case ReasonCode::kNoCalibration:
-    case ReasonCode::kBadCalibration:
-      return "terrace calibration FILE... --output rig.yaml, then lcm.calibration: rig.yaml";
-    case ReasonCode::kInputTrouble:
-      return "the receive buffer, the camera's rate or the processor: terrace doctor checks them";
-    case ReasonCode::kNone:
-    case ReasonCode::kOther:
-      break;
-  }
-  return "";
 }
 
 void JudgeState(const Status& status, Findings* findings) {

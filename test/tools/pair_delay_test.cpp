@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/pair_delay.h"
+
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+namespace terrace {
+namespace {
+
+constexpr int kViewWidth = 320, kViewHeight = 240;
+constexpr double kFrameS = 1.0 / 15.0;
+constexpr double kDisparityOfWallPx = 9.0;
+
+StereoCamera Viewer() { return {kViewWidth, kViewHeight, 250.0, 250.0, 159.5, 119.5, 0.1}; }
+
+/// A wall of smooth random grey, larger than the view.
+cv::Mat1b Wall(unsigned seed) {
+  std::mt19937 random(seed);
+  cv::Mat1b wall(500, 500);
+  for (std::uint8_t& value : wall) value = static_cast<std::uint8_t>(random());
+  cv::GaussianBlur(wall, wall, {}, 2.0);
+  cv::normalize(wall, wall, 20, 235, cv::NORM_MINMAX);
+  return wall;
+}
+
+/// How far the view has gone up at a time, as of a body that pitches while it walks [px].
+double RowsAt(double t_s) { return 9.0 * std::sin(2.0 * M_PI * 1.1 * t_s); }
+
+cv::Mat1b ViewOf(const cv::Mat1b& wall, double u, double v) {
+  cv::Mat1b view;
+  cv::getRectSubPix(wall, {kViewWidth, kViewHeight},
+                    cv::Point2f(static_cast<float>(250.0 + u), static_cast<float>(250.0 + v)), view);
+  return view;
+}
+
+/// A frame whose right camera is late and, all the time, by some rows too low.
+StereoFrame FrameAt(const cv::Mat1b& wall, int i, double delay_s, double rows_off_px) {
+  StereoFrame frame;
+  const double t_s = i * kFrameS;
+  frame.t_capture.ns = 1'000'000'000 + std::llround(1e9 * t_s);
+  frame.left = ViewOf(wall, 0.0, -RowsAt(t_s));
+  frame.right = ViewOf(wall, kDisparityOfWallPx, -RowsAt(t_s + delay_s) - rows_off_px);
+  return frame;
+}
+
+PairDelay DelayOf(unsigned seed, double delay_s, double rows_off_px) {
+  const cv::Mat1b wall = Wall(seed);
+  std::vector<MovingRowMatch> moving;
+  RowMatchConfig config;
+  config.max_disparity_px = 40;
+  for (int i = 1; i < 12; ++i) {
+    const StereoFrame at = FrameAt(wall, i, delay_s, rows_off_px);
+    const auto found = FollowMatches(MatchAcrossRows(at, config), FrameAt(wall, i - 1, delay_s, rows_off_px),
+                                     at, FrameAt(wall, i + 1, delay_s, rows_off_px));
+    moving.insert(moving.end(), found.begin(), found.end());
+  }
+  return EstimateDelay(moving, Viewer());
+}
+
+TEST(PairDelayTest, MeasuresByHowMuchTheRightCameraIsLate) {
+  for (const double delay_s : {0.0, 0.001, 0.005, 0.02, -0.01}) {
+    for (const double rows_off_px : {0.0, 1.5}) {
+      const PairDelay delay = DelayOf(101, delay_s, rows_off_px);
+      std::printf("%.1f ms late, %.1f rows low: %.2f +- %.2f ms from %d points\n", 1e3 * delay_s, rows_off_px,
+                  1e3 * delay.delay_s, 1e3 * delay.sigma_s, delay.num_matches);
+      EXPECT_TRUE(delay.told());
+      // The mean velocity over two frames is 7 % below that in the middle of so fast a sway.
+      EXPECT_NEAR(delay.delay_s, delay_s, 0.0002 + 0.1 * std::abs(delay_s));
+      EXPECT_NEAR(delay.delay_s, delay_s, 0.0001 + 3.0 * delay.sigma_s) << "as sure as it says";
+    }
+  }
+}
+
+TEST(PairDelayTest, SaysThatItCannotTellWhileNothingMoves) {
+  const cv::Mat1b wall = Wall(7);
+  StereoFrame still = FrameAt(wall, 0, 0.0, 1.0), before = still, after = still;
+  before.t_capture.ns -= 66'000'000;
+  after.t_capture.ns += 66'000'000;
+  const auto moving = FollowMatches(MatchAcrossRows(still), before, still, after);
+  EXPECT_GE(moving.size(), 20u);
+  EXPECT_FALSE(EstimateDelay(moving, Viewer()).told());
+  EXPECT_FALSE(EstimateDelay({}, Viewer()).told());
+}
+
+}  // namespace
+}  // namespace terrace
