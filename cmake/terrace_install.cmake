@@ -31,8 +31,6 @@ install(FILES ${PROJECT_BINARY_DIR}/terrace-config.cmake ${PROJECT_BINARY_DIR}/t
 configure_file(cmake/terrace-client.pc.in ${PROJECT_BINARY_DIR}/terrace-client.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/terrace-client.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/python DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace
-        FILES_MATCHING PATTERN "*.py")
 install(DIRECTORY lcmtypes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace/lcmtypes FILES_MATCHING PATTERN "*.lcm")
 # scripts/viewer makes the page where there is npm; one page for every preset.
 install(FILES ${PROJECT_SOURCE_DIR}/build/viewer/index.html DESTINATION ${CMAKE_INSTALL_DATADIR}/terrace RENAME view.html OPTIONAL)

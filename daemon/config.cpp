@@ -23,6 +23,7 @@ const char* TypeName(bool) { return "true or false"; }
 const char* TypeName(int) { return "a whole number"; }
 const char* TypeName(double) { return "a number"; }
 const char* TypeName(const std::string&) { return "text"; }
+const char* TypeName(const std::optional<int>&) { return "a whole number or auto"; }
 const char* TypeName(const std::optional<double>&) { return "a number or null"; }
 const char* TypeName(const std::vector<double>&) { return "a list of numbers"; }
 
@@ -43,6 +44,7 @@ std::string Print(const std::string& value) {
   return quoted + '"';
 }
 
+std::string Print(const std::optional<int>& value) { return value ? Print(*value) : "auto"; }
 std::string Print(const std::optional<double>& value) { return value ? Print(*value) : "null"; }
 std::string Print(const std::vector<double>& values) {
   std::string text = "[";
@@ -59,6 +61,16 @@ bool Take(const YAML::Node& node, T* field) {
   if constexpr (std::is_same_v<T, double>) {
     if (!std::isfinite(value)) return false;
   }
+  *field = value;
+  return true;
+}
+bool Take(const YAML::Node& node, std::optional<int>* field) {
+  if (node.IsScalar() && node.Scalar() == "auto") {
+    field->reset();
+    return true;
+  }
+  int value = 0;
+  if (!Take(node, &value)) return false;
   *field = value;
   return true;
 }
@@ -112,6 +124,7 @@ class Binding {
     Bind("labeling", &p.terrain.labeling);
     Bind("staircases", &p.terrain.staircases);
     Bind("robot", &p.terrain.robot);
+    Bind("robot", &p.self_mask);
     Bind("lcm", &config->live);
     Bind("channels", &config->channels);
   }

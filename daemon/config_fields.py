@@ -11,7 +11,7 @@ A field is one line `type name = default;` with its documentation in `///` lines
 import re
 import sys
 
-TYPES = ("bool", "int", "double", "std::string", "std::optional<double>", "std::vector<double>")
+TYPES = ("bool", "int", "double", "std::string", "std::optional<int>", "std::optional<double>", "std::vector<double>")
 
 
 def structs(path):

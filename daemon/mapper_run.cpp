@@ -12,10 +12,7 @@ MapperRun::MapperRun(const PipelineConfig& config, const StereoCalibration& cali
                      bool single_threaded)
     : pace_(pace),
       single_threaded_(single_threaded),
-      pipeline_(
-          config, calibration,
-          LoadSelfMask(config.terrain.robot.self_mask_png, RectifiedSize(calibration, config.rectifier)),
-          pace) {
+      pipeline_(config, calibration, LoadSelfMask(config, calibration), pace) {
   TERRACE_CHECK(pace == Pace::kEveryFrame || !single_threaded);
 }
 

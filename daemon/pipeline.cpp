@@ -4,9 +4,23 @@
 #include <algorithm>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
 #include "core/check.h"
 
 namespace terrace {
+namespace {
+
+/// The settings of the matcher for this camera; says what `auto` stands for.
+DisparityConfig MatcherFor(const DisparityConfig& config, const StereoCamera& camera) {
+  const DisparityConfig chosen = config.ForCamera(camera);
+  if (!config.max_disparity_px)
+    spdlog::info("stereo.max_disparity_px: auto searches {} px, which shows surfaces from {:.2f} m on",
+                 *chosen.max_disparity_px, camera.Depth(*chosen.max_disparity_px));
+  return chosen;
+}
+
+}  // namespace
 
 std::vector<std::string> FlowConfig::Problems() const {
   std::vector<std::string> problems;
@@ -23,7 +37,7 @@ Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibr
       rectifier_(calibration, config.rectifier),
       mounting_(MountingOf(config.mounting, calibration, rectifier_.R_rect_raw())),
       self_mask_(self_mask),
-      matcher_(config.stereo),
+      matcher_(MatcherFor(config.stereo, rectifier_.camera())),
       odometry_(config.odometry, rectifier_.camera(), mounting_),
       mapper_(config.terrain, rectifier_.camera(), mounting_.T_body_left, &meters_),
       gravity_hints_(config.flow.feedback_lag_frames, pace == Pace::kEveryFrame),
@@ -82,6 +96,8 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   result.pose = tracked.pose;
   result.change = mapped ? mapper_.Update({*disparity, camera(), self_mask_}, tracked.pose, tracked.gravity)
                          : mapper_.Unchanged();
+  if (mapped)
+    result.warnings.insert(result.warnings.end(), mapper_.warnings().begin(), mapper_.warnings().end());
   result.frame = tracked.frame;
   result.disparity = disparity;
   result.sightings = tracked.sightings;

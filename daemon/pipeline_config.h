@@ -2,6 +2,7 @@
 #pragma once
 
 #include "daemon/flow_config.h"
+#include "daemon/self_mask_config.h"
 #include "odometry/mounting.h"
 #include "odometry/odometry_config.h"
 #include "stereo/disparity_matcher.h"
@@ -18,6 +19,7 @@ struct PipelineConfig {
   DisparityConfig stereo;
   OdometryConfig odometry;
   TerrainConfig terrain;
+  SelfMaskConfig self_mask;
 };
 
 }  // namespace terrace

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
-#include <utility>
-
+#include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
+
+#include "core/camera.h"
+#include "daemon/pipeline_config.h"
 
 namespace terrace {
 
-/// The image mask of the robot's own legs: 0 where the robot sees itself. Empty when `png` is empty.
-/// Throws ConfigError when the file cannot be read or has another size than the rectified images.
-/// @param size  width and height of the rectified images
-cv::Mat1b LoadSelfMask(const std::string& png, std::pair<int, int> size);
+/// The image mask of the robot's own parts: 0 where the robot sees itself, of the rectified left image's
+/// size. Empty when nothing is configured. Throws ConfigError when the PNG cannot be read or has another size
+/// than its pixels say, when parts are given and the body is not known, and when the camera is inside one of
+/// them.
+cv::Mat1b LoadSelfMask(const PipelineConfig& config, const StereoCalibration& calibration);
+
+/// Hides what a camera sees of parts of its body.
+/// @param T_body_left  of the rectified camera
+/// @param mask  of its size; what is hidden already stays so
+void HideParts(const SelfMaskConfig& parts, const StereoCamera& camera, const Eigen::Isometry3d& T_body_left,
+               cv::Mat1b* mask);
 
 }  // namespace terrace

@@ -80,6 +80,7 @@ std::vector<int> StanceMemory::Seeds(const std::vector<RegionShapePtr>& shapes,
     }
     if (i >= 0) seeds.push_back(i);
   }
+  at_feet_ = !seeds.empty();
   if (seeds.empty() && !past_.empty()) {
     const int i = LargestSupportBelow(shapes, R_level_world * past_.back().ground_world);
     if (i >= 0) seeds.push_back(i);

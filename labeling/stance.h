@@ -28,12 +28,17 @@ class StanceMemory {
   /// Indices, ascending, of the supports on which the robot stands or stood.
   std::vector<int> Seeds(const std::vector<RegionShapePtr>& shapes, const Eigen::Matrix3d& R_level_world);
 
+  /// True when the last Seeds() found ground at the height of the feet, where the robot is or where it was;
+  /// else they are a guess.
+  bool at_feet() const { return at_feet_; }
+
  private:
   struct Stance {
     Eigen::Vector3d ground_world = Eigen::Vector3d::Zero();
     PolygonId ground = 0;  ///< 0: none found yet
   };
   StanceLimits limits_;
+  bool at_feet_ = false;
   std::vector<Stance> past_;  ///< thinned out; the last one is where the robot is now
 };
 

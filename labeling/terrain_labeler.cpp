@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/angles.h"
+#include "labeling/body_height_check.h"
 #include "labeling/drop_view.h"
 #include "labeling/edge_kinds.h"
 #include "labeling/label_rules.h"
@@ -75,6 +76,7 @@ class TerrainLabeler::Impl {
         table_(ShapeLimitsOf(config, robot), Radians(config.max_gravity_change_deg)),
         graph_(StepLimitsOf(config, robot)),
         stances_(StanceLimitsOf(config, robot)),
+        body_height_(robot.body_height_m),
         views_(camera, config.max_resolving_distance_m),
         finder_(staircases),
         tracker_(config.frames_to_change_label),
@@ -92,21 +94,33 @@ class TerrainLabeler::Impl {
     const Sight sight{camera_, T_level_left, GroundUnder(pose)};
     tracker_.Update(finder_.Find(shapes, tracker_.Models(table_), sight, compete), table_);
     graph_.Update(shapes);
-    stances_.Stand((pose.T_world_left * T_left_body_).translation(), table_.R_level_world());
+    const std::vector<int> seeds = WhereItStands(pose);
     const std::vector<bool> reachable =
-        ReachableFrom(stances_.Seeds(shapes, table_.R_level_world()),
-                      StairLinks(tracker_.confirmed(), table_, robot_), graph_, shapes, config_);
+        ReachableFrom(seeds, StairLinks(tracker_.confirmed(), table_, robot_), graph_, shapes, config_);
     const Scene scene{shapes, graph_, reachable, views_.tops(), views_.nearest_view_m()};
     return Publish(update, pose, gravity, LabelRules(config_, stairs_, robot_, scene).Decide());
   }
 
   const TerrainMapPtr& map() const { return map_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
   /// Height of the ground that the robot stands on when its body is as high as the settings say.
   double GroundUnder(const PoseEstimate& pose) const {
     const Eigen::Vector3d body_world = (pose.T_world_left * T_left_body_).translation();
     return (table_.R_level_world() * body_world).z() - robot_.body_height_m;
+  }
+
+  /// The ground from which everything must be reached, and whether it is where the settings say.
+  std::vector<int> WhereItStands(const PoseEstimate& pose) {
+    const Eigen::Vector3d body_world = (pose.T_world_left * T_left_body_).translation();
+    stances_.Stand(body_world, table_.R_level_world());
+    const std::vector<int> seeds = stances_.Seeds(table_.shapes(), table_.R_level_world());
+    warnings_.clear();
+    if (std::optional<std::string> warning =
+            body_height_.Look(table_.shapes(), table_.R_level_world() * body_world, stances_.at_feet()))
+      warnings_.push_back(std::move(*warning));
+    return seeds;
   }
 
   /// Anew when the region itself has changed; for a change beside it a few frames later will do, and for what
@@ -127,8 +141,10 @@ class TerrainLabeler::Impl {
 
   TerrainMapPtr Publish(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity,
                         const std::vector<Verdict>& verdicts) {
-    constexpr double kMaxAssumed = 0.5;  // up is a guess, and so is every label
-    const double cap = gravity.source == GravitySource::kAssumed ? kMaxAssumed : 1.0;
+    // Where up is a guess, or what the robot stands on, so is every label.
+    constexpr double kMaxAssumed = 0.5;
+    const bool guess = gravity.source == GravitySource::kAssumed || !stances_.at_feet();
+    const double cap = guess ? kMaxAssumed : 1.0;
     auto map = std::make_shared<TerrainMap>();
     map->t_capture = update.t_capture;
     map->map_id = map_->map_id;
@@ -204,6 +220,8 @@ class TerrainLabeler::Impl {
   ShapeTable table_;
   StepGraph graph_;
   StanceMemory stances_;
+  BodyHeightCheck body_height_;
+  std::vector<std::string> warnings_;
   ViewMemory views_;
   StaircaseFinder finder_;
   StaircaseTracker tracker_;
@@ -225,6 +243,8 @@ TerrainMapPtr TerrainLabeler::Label(const PolygonUpdate& update, const PoseEstim
                                     const Gravity& gravity) {
   return impl_->Label(update, pose, gravity);
 }
+
+const std::vector<std::string>& TerrainLabeler::warnings() const { return impl_->warnings(); }
 
 const TerrainMapPtr& TerrainLabeler::map() const { return impl_->map(); }
 

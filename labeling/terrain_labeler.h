@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/camera.h"
 #include "core/pose_estimate.h"
@@ -26,6 +28,9 @@ class TerrainLabeler {
 
   /// @param pose  where the camera is now: what is reachable is reachable from there
   TerrainMapPtr Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity);
+
+  /// Sentences for the user, new with the last frame.
+  const std::vector<std::string>& warnings() const;
 
   /// The map as last labelled; never null.
   const TerrainMapPtr& map() const;

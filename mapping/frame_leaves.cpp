@@ -36,8 +36,7 @@ std::int64_t FrameLeaves::memory_bytes() const {
 /// beside those of this one; the oldest gives way. Only where all are taken by this frame the next few are
 /// asked.
 FrameLeaves::Slot& FrameLeaves::Find(LeafAddress address) {
-  const std::size_t mask = slots_.size() - kWays;
-  std::size_t at = (address.packed * 0x9E3779B97F4A7C15ULL) >> 20 & mask;
+  std::size_t at = FirstSlot(address);
   while (true) {
     Slot* const slots = &slots_[at];
     Slot* oldest = slots;
@@ -46,7 +45,7 @@ FrameLeaves::Slot& FrameLeaves::Find(LeafAddress address) {
       if (slot->generation < oldest->generation) oldest = slot;
     }
     if (oldest->generation != generation_) return *oldest;
-    at = (at + kWays) & mask;
+    at = (at + kWays) & (slots_.size() - kWays);
   }
 }
 

@@ -37,6 +37,8 @@ class FrameLeaves {
   /// The leaf of this address; made when the frame has not touched it yet.
   /// @param u  column of the image: most points lie in the leaf of the one to their left or above
   FrameLeaf& At(LeafAddress address, int u);
+  /// Has what At() will need fetched from memory while other work goes on.
+  void Prefetch(LeafAddress address) const { __builtin_prefetch(&slots_[FirstSlot(address)]); }
   /// Tells later frames where the map keeps a leaf that this frame touches.
   void Remember(LeafAddress address, const LeafPlace& place) { Find(address).place = place; }
 
@@ -44,12 +46,16 @@ class FrameLeaves {
   std::int64_t memory_bytes() const;
 
  private:
+  static constexpr std::size_t kWays = 4;  // slots that a leaf may have
   struct Slot {
     LeafAddress address;
     LeafPlace place;
     std::uint32_t generation = 0;
     std::uint32_t index = 0;
   };
+  std::size_t FirstSlot(LeafAddress address) const {
+    return (address.packed * 0x9E3779B97F4A7C15ULL) >> 20 & (slots_.size() - kWays);
+  }
   Slot& Find(LeafAddress address);
   void Grow();
 
@@ -59,8 +65,7 @@ class FrameLeaves {
   std::uint32_t last_ = 0;            // of the point before
   std::uint32_t generation_ = 1;
 
-  static constexpr std::size_t kWays = 4;  // slots that a leaf may have
-  static constexpr int kColumn = 4;        // pixels; a leaf is seldom narrower
+  static constexpr int kColumn = 4;  // pixels; a leaf is seldom narrower
 };
 
 }  // namespace terrace

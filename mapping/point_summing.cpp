@@ -16,6 +16,14 @@ bool InImage(const CloudPoint& point, const StereoCamera& camera) {
   return point.p_left.z() > 0.0F && point.u < camera.width && point.v < camera.height;
 }
 
+/// A point of the frame and the leaf that it falls into.
+struct PlacedPoint {
+  LeafAddress address;
+  Eigen::Vector3f offset;  ///< from the centre of the leaf [m]
+  float weight;            ///< 1 / variance
+  int u;                   ///< column of its pixel
+};
+
 /// Level l is used up to the depth at l, while a leaf is min_leaf_px wide; the last one beyond.
 class LeafLevels {
  public:
@@ -65,6 +73,14 @@ void SumPoints(const Cloud& cloud, const StereoCamera& camera, const Eigen::Isom
   const float leaf_m = static_cast<float>(config.leaf_size_m);
   const float fb = static_cast<float>(camera.fx * camera.baseline_m);
   const LeafLevels levels(config, camera);
+  // Leaves lie scattered over memory, which is asked for a batch of them before the first is added to.
+  std::array<PlacedPoint, 32> batch;
+  std::size_t num_placed = 0;
+  const auto add_batch = [&] {
+    for (std::size_t i = 0; i < num_placed; ++i)
+      leaves->At(batch[i].address, batch[i].u).moments.Add(batch[i].weight, batch[i].offset);
+    num_placed = 0;
+  };
   for (const CloudPoint& point : cloud.points) {
     const float sigma = sigma_factor * point.sigma_depth_m;
     const float variance = sigma * sigma + pose_variance;
@@ -83,10 +99,13 @@ void SumPoints(const Cloud& cloud, const StereoCamera& camera, const Eigen::Isom
       offset[i] += static_cast<float>(corner[i] - low);
       corner[i] = low;
     }
-    FrameLeaf& leaf = leaves->At(LeafAddress(corner, level), point.u);
-    leaf.moments.Add(1.0F / variance, offset * leaf_m);
+    PlacedPoint& placed = batch[num_placed++];
+    placed = {LeafAddress(corner, level), offset * leaf_m, 1.0F / variance, point.u};
+    leaves->Prefetch(placed.address);
+    if (num_placed == batch.size()) add_batch();
     tiles->Add(point.u, point.v, fb / point.p_left.z());
   }
+  add_batch();
   // As near as they may well be.
   constexpr float kSigmas = 2.0F;
   for (const CloudPoint& point : cloud.uncertain) {

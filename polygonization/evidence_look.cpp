@@ -2,7 +2,9 @@
 #include "polygonization/evidence_look.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
@@ -51,7 +53,118 @@ struct EvidenceLook::PlaneInView {
   float distance_m;                        // of the camera from the plane
   float reach_m;
   float cell_m;
+  float fb;  // focal length times baseline
   FrameId frame_id;
+};
+
+/// One look at one block.
+class EvidenceLook::BlockLook {
+ public:
+  BlockLook(const FrameView& view, const PlaneInView& plane, EvidenceGrid::Block* block)
+      : view_(view), plane_(plane), block_(*block) {}
+
+  void Run(const EvidenceGrid::BlockKey& key, LookResult* result) {
+    const Eigen::Vector3f corner = plane_.origin +
+                                   (static_cast<float>(key.first * kCells) + 0.5F) * plane_.step_x +
+                                   (static_cast<float>(key.second * kCells) + 0.5F) * plane_.step_y;
+    const Eigen::Vector3f middle = corner + 7.5F * (plane_.step_x + plane_.step_y);
+    const float range = middle.norm();
+    const float facing = plane_.distance_m / range;
+    if (middle.z() < static_cast<float>(kNearest_m) || facing < kLeastCosine) return;
+    const float spacing = range / static_cast<float>(view_.camera.fx);
+    for (float s = spacing / facing; weight_ < kMostWeight && s <= 0.5F * kCoarsest_m; s *= 2.0F) ++weight_;
+    // Where cells are finer than pixels, one in the middle asks for all around it.
+    while (group_ < EvidenceGrid::kGroupCells && 2.0F * static_cast<float>(group_) * plane_.cell_m <= spacing)
+      group_ *= 2;
+    FindPixels(corner);
+    for (int i = 0; i < num_pixels_; ++i) Judge(pixels_[static_cast<std::size_t>(i)]);
+    block_.contradicted = num_contradictions_ >= kManyContradictions;
+    if (result_.num_on > 0) block_.on_frame = plane_.frame_id;
+    result->num_on += result_.num_on;
+    result->num_through += result_.num_through;
+    result->num_flipped += result_.num_flipped;
+  }
+
+ private:
+  static constexpr int kCells = EvidenceGrid::kBlockCells;
+
+  /// The pixel that shows a cell, or the middle of a group of cells from this one on.
+  struct Pixel {
+    int x, y;  // of the cell
+    int column, row;
+    float inverse_z;
+  };
+
+  /// The pixels whose turn it is. They are asked for before any is judged: they lie scattered over the image,
+  /// and memory takes longer than all the rest.
+  void FindPixels(const Eigen::Vector3f& corner) {
+    const bool all = block_.num_looks < kNewLooks || block_.contradicted;
+    const int turn = block_.num_looks % 4;
+    block_.num_looks = static_cast<std::uint8_t>(block_.num_looks < 200 ? block_.num_looks + 1 : 100);
+    const StereoCamera& c = view_.camera;
+    const auto fx = static_cast<float>(c.fx), fy = static_cast<float>(c.fy);
+    const auto cx = static_cast<float>(c.cx) + 0.5F, cy = static_cast<float>(c.cy) + 0.5F;
+    const float to_middle = 0.5F * static_cast<float>(group_ - 1);
+    const int step = all ? group_ : 2 * group_;
+    for (int y = all ? 0 : (turn >> 1) * group_; y < kCells; y += step) {
+      for (int x = all ? 0 : (turn & 1) * group_; x < kCells; x += step) {
+        if (!block_.IsOpen(x, y)) continue;
+        const Eigen::Vector3f p = corner + (static_cast<float>(x) + to_middle) * plane_.step_x +
+                                  (static_cast<float>(y) + to_middle) * plane_.step_y;
+        if (p.z() < static_cast<float>(kNearest_m)) continue;
+        const float inverse_z = 1.0F / p.z();
+        const float u = fx * p.x() * inverse_z + cx, v = fy * p.y() * inverse_z + cy;
+        if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(c.width) && v < static_cast<float>(c.height)))
+          continue;
+        const Pixel pixel{x, y, static_cast<int>(u), static_cast<int>(v), inverse_z};
+        __builtin_prefetch(&view_.disparity->disparity_px(pixel.row, pixel.column));
+        __builtin_prefetch(&view_.disparity->sigma_px(pixel.row, pixel.column));
+        pixels_[static_cast<std::size_t>(num_pixels_++)] = pixel;
+      }
+    }
+  }
+
+  void Judge(const Pixel& pixel) {
+    const float seen = view_.disparity->disparity_px(pixel.row, pixel.column);
+    const int before = block_.At(pixel.x, pixel.y);
+    if (!(seen > 0.0F)) {
+      if (before > 0 && before <= kMostLooks * (weight_ - 1)) Set(pixel, std::max(before - kUnseen, 0));
+      return;
+    }
+    // Of the plane at the very pixel, not at the cell: no rounding comes between them.
+    const float expected = plane_.disparity.x() * static_cast<float>(pixel.column) +
+                           plane_.disparity.y() * static_cast<float>(pixel.row) + plane_.disparity.z();
+    const float tolerance = kSigmas * view_.disparity->sigma_px(pixel.row, pixel.column) + kMatching_px +
+                            plane_.fb * pixel.inverse_z * plane_.error_share;
+    const int most = weight_ * kMostLooks;
+    if (std::abs(seen - expected) <= tolerance) {
+      if (tolerance * plane_.distance_m > plane_.reach_m * expected) return;
+      ++result_.num_on;
+      num_contradictions_ += before <= EvidenceGrid::kThrough;
+      if (before < most) Set(pixel, std::min(before + (before < 0 ? kAgainst : 1) * weight_, most));
+    } else if (seen < expected - kThroughFactor * tolerance) {
+      ++result_.num_through;
+      num_contradictions_ += before >= EvidenceGrid::kOn;
+      if (before > -most) Set(pixel, std::max(before - (before > 0 ? kAgainst : 1) * weight_, -most));
+    }
+  }
+
+  void Set(const Pixel& pixel, int now) {
+    const int before = block_.At(pixel.x, pixel.y);
+    for (int y = pixel.y; y < pixel.y + group_; ++y)
+      for (int x = pixel.x; x < pixel.x + group_; ++x) block_.At(x, y) = static_cast<std::int8_t>(now);
+    if ((before >= EvidenceGrid::kOn) != (now >= EvidenceGrid::kOn)) result_.num_flipped += group_ * group_;
+  }
+
+  const FrameView& view_;
+  const PlaneInView& plane_;
+  EvidenceGrid::Block& block_;
+  int weight_ = 1;
+  int group_ = 1;  // cells along the edge of what one pixel stands for
+  int num_contradictions_ = 0;
+  LookResult result_;
+  std::array<Pixel, static_cast<std::size_t>(kCells) * kCells> pixels_;
+  int num_pixels_ = 0;
 };
 
 EvidenceLook::EvidenceLook(const FrameView& view) : view_(view), T_left_world_(view.T_world_left.inverse()) {
@@ -92,6 +205,7 @@ LookResult EvidenceLook::At(const Plane& plane_world, const PlaneFrame& frame, d
   plane.distance_m = static_cast<float>(distance);
   plane.reach_m = kMostReach_m + kReachNoise * static_cast<float>(noise_m);
   plane.cell_m = static_cast<float>(grid->cell_m());
+  plane.fb = static_cast<float>(c.fx * c.baseline_m);
   plane.frame_id = view_.disparity->frame_id;
 
   const double radius = 0.75 * grid->block_m();
@@ -100,87 +214,9 @@ LookResult EvidenceLook::At(const Plane& plane_world, const PlaneFrame& frame, d
     const bool settled = block.num_looks >= kSettledLooks && !block.contradicted;
     if (settled && ((key.first + key.second + plane.frame_id) & 1) != 0) continue;
     if (block.open == 0 || !MayShow(frame.ToWorld(middle), radius)) continue;
-    LookAtBlock(plane, key, &block, &result);
+    BlockLook(view_, plane, &block).Run(key, &result);
   }
   return result;
-}
-
-void EvidenceLook::LookAtBlock(const PlaneInView& plane, const EvidenceGrid::BlockKey& key,
-                               EvidenceGrid::Block* block, LookResult* result) const {
-  constexpr int kCells = EvidenceGrid::kBlockCells;
-  const StereoCamera& c = view_.camera;
-  const auto fx = static_cast<float>(c.fx), fy = static_cast<float>(c.fy);
-  const auto cx = static_cast<float>(c.cx) + 0.5F, cy = static_cast<float>(c.cy) + 0.5F;
-  const float fb = static_cast<float>(c.fx * c.baseline_m);
-  const Eigen::Vector3f corner = plane.origin +
-                                 (static_cast<float>(key.first * kCells) + 0.5F) * plane.step_x +
-                                 (static_cast<float>(key.second * kCells) + 0.5F) * plane.step_y;
-  const Eigen::Vector3f middle = corner + 7.5F * (plane.step_x + plane.step_y);
-  const float range = middle.norm();
-  const float facing = plane.distance_m / range;
-  if (middle.z() < static_cast<float>(kNearest_m) || facing < kLeastCosine) return;
-  int weight = 1;
-  for (float spacing = range / fx / facing; weight < kMostWeight && spacing <= 0.5F * kCoarsest_m;
-       spacing *= 2.0F)
-    ++weight;
-  const int most = weight * kMostLooks;
-  const bool all = block->num_looks < kNewLooks || block->contradicted;
-  const int turn = block->num_looks % 4;
-  block->num_looks = static_cast<std::uint8_t>(block->num_looks < 200 ? block->num_looks + 1 : 100);
-  // Where cells are finer than pixels, one in the middle asks for all around it.
-  int group = 1;
-  while (group < EvidenceGrid::kGroupCells && 2.0F * static_cast<float>(group) * plane.cell_m <= range / fx)
-    group *= 2;
-  const float to_middle = 0.5F * static_cast<float>(group - 1);
-  const int step = all ? group : 2 * group;
-  int contradictions = 0, num_on = 0;
-  for (int y = all ? 0 : (turn >> 1) * group; y < kCells; y += step) {
-    for (int x = all ? 0 : (turn & 1) * group; x < kCells; x += step) {
-      if (!block->IsOpen(x, y)) continue;
-      const Eigen::Vector3f p = corner + (static_cast<float>(x) + to_middle) * plane.step_x +
-                                (static_cast<float>(y) + to_middle) * plane.step_y;
-      if (p.z() < static_cast<float>(kNearest_m)) continue;
-      const float inverse_z = 1.0F / p.z();
-      const float u = fx * p.x() * inverse_z + cx, v = fy * p.y() * inverse_z + cy;
-      if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(c.width) && v < static_cast<float>(c.height)))
-        continue;
-      const int column = static_cast<int>(u), row = static_cast<int>(v);
-      const float seen = view_.disparity->disparity_px(row, column);
-      if (!(seen > 0.0F)) {
-        const int known = block->At(x, y);
-        if (known <= 0 || known > kMostLooks * (weight - 1)) continue;
-        const int left = std::max(known - kUnseen, 0);
-        for (int j = y; j < y + group; ++j)
-          for (int i = x; i < x + group; ++i) block->At(i, j) = static_cast<std::int8_t>(left);
-        result->num_flipped += known >= EvidenceGrid::kOn && left < EvidenceGrid::kOn ? group * group : 0;
-        continue;
-      }
-      // Of the plane at the very pixel, not at the cell: no rounding comes between them.
-      const float expected = plane.disparity.x() * static_cast<float>(column) +
-                             plane.disparity.y() * static_cast<float>(row) + plane.disparity.z();
-      const float tolerance = kSigmas * view_.disparity->sigma_px(row, column) + kMatching_px +
-                              fb * inverse_z * plane.error_share;
-      const int before = block->At(x, y);
-      int now = before;
-      if (std::abs(seen - expected) <= tolerance) {
-        if (tolerance * plane.distance_m > plane.reach_m * expected) continue;
-        ++num_on;
-        if (before < most) now = std::min(before + (before < 0 ? kAgainst : 1) * weight, most);
-        contradictions += before <= EvidenceGrid::kThrough;
-      } else if (seen < expected - kThroughFactor * tolerance) {
-        ++result->num_through;
-        if (before > -most) now = std::max(before - (before > 0 ? kAgainst : 1) * weight, -most);
-        contradictions += before >= EvidenceGrid::kOn;
-      }
-      if (now == before) continue;
-      for (int j = y; j < y + group; ++j)
-        for (int i = x; i < x + group; ++i) block->At(i, j) = static_cast<std::int8_t>(now);
-      result->num_flipped += (before >= EvidenceGrid::kOn) != (now >= EvidenceGrid::kOn) ? group * group : 0;
-    }
-  }
-  block->contradicted = contradictions >= kManyContradictions;
-  if (num_on > 0) block->on_frame = plane.frame_id;
-  result->num_on += num_on;
 }
 
 }  // namespace terrace

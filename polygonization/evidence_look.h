@@ -41,10 +41,9 @@ class EvidenceLook {
 
  private:
   struct PlaneInView;
+  class BlockLook;
   /// Whether a ball may be in view.
   bool MayShow(const Eigen::Vector3d& centre_world, double radius_m) const;
-  void LookAtBlock(const PlaneInView& plane, const EvidenceGrid::BlockKey& key, EvidenceGrid::Block* block,
-                   LookResult* result) const;
 
   const FrameView& view_;
   Eigen::Isometry3d T_left_world_;

@@ -26,6 +26,7 @@ namespace terrace {
 namespace {
 
 constexpr int kRangeStep = 16;  // of the settings
+constexpr int kMostDisparity_px = 256;
 
 std::vector<CensusPair> CensusByName(const std::string& name) {
   if (name == "5x5") return Census5x5();
@@ -88,9 +89,10 @@ std::vector<std::string> DisparityConfig::Problems() const {
   const auto need = [&](bool fine, const std::string& sentence) {
     if (!fine) problems.push_back(sentence);
   };
-  need(max_disparity_px >= 16 && max_disparity_px <= 256 && max_disparity_px % kRangeStep == 0,
-       "max_disparity_px is " + std::to_string(max_disparity_px) +
-           ", must be a multiple of 16 from 16 to 256");
+  const int range = max_disparity_px.value_or(kMostDisparity_px);
+  need(range >= 16 && range <= kMostDisparity_px && range % kRangeStep == 0,
+       "max_disparity_px is " + std::to_string(range) + ", must be auto or a multiple of 16 from 16 to 256");
+  need(nearest_m > 0.0, "nearest_m must be positive");
   need(tier == "fast" || tier == "quality", "tier is \"" + tier + "\", must be \"fast\" or \"quality\"");
   need(census == "auto" || census == "mixed" || census == "5x5" || census == "9x7",
        "census is \"" + census + "\", must be \"auto\", \"mixed\", \"5x5\" or \"9x7\"");
@@ -108,10 +110,19 @@ std::vector<std::string> DisparityConfig::Problems() const {
   return problems;
 }
 
+DisparityConfig DisparityConfig::ForCamera(const StereoCamera& camera) const {
+  DisparityConfig resolved = *this;
+  if (max_disparity_px) return resolved;
+  const double needed_px = std::ceil(camera.fx * camera.baseline_m / nearest_m / kRangeStep) * kRangeStep;
+  resolved.max_disparity_px = static_cast<int>(std::clamp<double>(needed_px, kRangeStep, kMostDisparity_px));
+  return resolved;
+}
+
 class DisparityMatcher::Impl {
  public:
   explicit Impl(const DisparityConfig& config)
       : config_(config),
+        range_px_(config.max_disparity_px.value()),
         half_matcher_(MatchingSettings(config, "mixed")),
         full_matcher_(MatchingSettings(config, "9x7")),
         edges_({.rounds = 1}),
@@ -140,7 +151,7 @@ class DisparityMatcher::Impl {
                           cv::Mat1f(frame.left.size(), kUnknownDisparity)};
     if (region.empty()) return result;
     // From whole tiles on, so that a prior can be cut, too.
-    const int left = std::max(region.x - kAroundRegionPx - config_.max_disparity_px, 0) / kTilePx * kTilePx;
+    const int left = std::max(region.x - kAroundRegionPx - range_px_, 0) / kTilePx * kTilePx;
     const int top = std::max(region.y - kAroundRegionPx, 0) / kTilePx * kTilePx;
     const int right = std::min(region.br().x + kAroundRegionPx, frame.left.cols);
     const int bottom = std::min(region.br().y + kAroundRegionPx, frame.left.rows);
@@ -186,8 +197,8 @@ class DisparityMatcher::Impl {
 
   /// More was searched than was asked for, so that what is just beyond is found there.
   void ForgetBeyondRange(DisparityImage& result) const {
-    if (2 * HalfRange() <= config_.max_disparity_px) return;
-    const cv::Mat beyond = result.disparity_px > static_cast<double>(config_.max_disparity_px);
+    if (2 * HalfRange() <= range_px_) return;
+    const cv::Mat beyond = result.disparity_px > static_cast<double>(range_px_);
     result.limit_share += static_cast<float>(cv::countNonZero(beyond)) / static_cast<float>(beyond.total());
     result.disparity_px.setTo(kUnknownDisparity, beyond);
     result.sigma_px.setTo(kUnknownDisparity, beyond);
@@ -273,16 +284,15 @@ class DisparityMatcher::Impl {
   }
 
   /// Wide vectors take 64 disparities faster than 48.
-  int HalfRange() const {
-    return config_.max_disparity_px <= 32 ? 16 : (config_.max_disparity_px / 2 + 31) / 32 * 32;
-  }
+  int HalfRange() const { return range_px_ <= 32 ? 16 : (range_px_ / 2 + 31) / 32 * 32; }
 
   static constexpr float kMinRowOffsetPx =
       0.07f;  // rms: what is less is hardly more than the error of measuring it
   static constexpr int kAroundRegionPx = 32;  // from which paths and windows reach into a region
   static constexpr float kMaxSlope = 1.0f;    // pixels of disparity between neighbours of one piece
 
-  DisparityConfig config_;
+  const DisparityConfig config_;
+  const int range_px_;
   SemiGlobalMatcher half_matcher_, full_matcher_;
   DepthEdgeSharpener edges_;
   Refiner refiner_, half_refiner_;
@@ -298,6 +308,7 @@ class DisparityMatcher::Impl {
 DisparityMatcher::DisparityMatcher(const DisparityConfig& config) {
   std::string all;
   for (const std::string& problem : config.Problems()) all += "stereo: " + problem + "\n";
+  if (!config.max_disparity_px) all += "stereo: max_disparity_px is auto, and no camera was named\n";
   if (!all.empty()) throw std::invalid_argument(all);
   impl_ = std::make_unique<Impl>(config);
 }

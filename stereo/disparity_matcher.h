@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/camera.h"
 #include "stereo/disparity_image.h"
 #include "stereo/disparity_prior.h"
 #include "stereo/stereo_frame.h"
@@ -13,8 +15,11 @@ namespace terrace {
 
 /// Settings of the disparity matcher. YAML section: `stereo`.
 struct DisparityConfig {
-  /// Search range; the nearest visible depth is focal_px * baseline_m / this. A multiple of 16, at most 256.
-  int max_disparity_px = 128;
+  /// Search range; the nearest visible depth is focal_px * baseline_m / this. A multiple of 16, at most 256; or
+  /// auto: as far as `nearest_m` needs.
+  std::optional<int> max_disparity_px = 128;
+  /// With `max_disparity_px: auto`, the nearest distance at which something matters.
+  double nearest_m = 0.4;
   /// "fast": matched at half resolution, refined at full. "quality": matched again at full resolution, near
   /// what was found at half; three times the work, for finer detail.
   std::string tier = "fast";
@@ -59,6 +64,8 @@ struct DisparityConfig {
   /// Each strip is searched from end to end at least once in so many frames.
   int prior_full_every_frames = 16;
 
+  /// The same, with the search range that `auto` stands for with this camera (rectified).
+  DisparityConfig ForCamera(const StereoCamera& camera) const;
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;
 };
@@ -67,6 +74,7 @@ struct DisparityConfig {
 class DisparityMatcher {
  public:
   /// Throws std::invalid_argument with every problem of the settings.
+  /// @throws std::invalid_argument when the settings have problems, or the search range is still `auto`
   explicit DisparityMatcher(const DisparityConfig& config);
   ~DisparityMatcher();
 

@@ -2,10 +2,10 @@
 #include "stereo/flat_fringes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <utility>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -37,21 +37,31 @@ cv::Mat1b FlatPixels(const cv::Mat1b& half_image) {
 /// 255 where none of the four pixels that a half pixel stands for has a disparity.
 cv::Mat1b UnknownPixels(const cv::Mat1f& disparity, const cv::Size& half_size) {
   cv::Mat1b unknown(half_size);
+  std::vector<std::uint8_t> both(static_cast<std::size_t>(disparity.cols) + 1, 255);
   for (int y = 0; y < half_size.height; ++y) {
     const float* const above = disparity[2 * y];
     const float* const below = disparity[std::min(2 * y + 1, disparity.rows - 1)];
-    for (int x = 0; x < half_size.width; ++x) {
-      const int right = std::min(2 * x + 1, disparity.cols - 1);
-      const bool none = std::isnan(above[2 * x]) && std::isnan(above[right]) && std::isnan(below[2 * x]) &&
-                        std::isnan(below[right]);
-      unknown(y, x) = none ? 255 : 0;
-    }
+    // What is not a number does not equal itself; so the compiler makes vectors of this.
+    for (int u = 0; u < disparity.cols; ++u)
+      both[static_cast<std::size_t>(u)] = (above[u] != above[u]) & (below[u] != below[u]) ? 255 : 0;
+    std::uint8_t* const row = unknown[y];
+    for (int x = 0; x < half_size.width; ++x)
+      row[x] = both[static_cast<std::size_t>(2 * x)] & both[static_cast<std::size_t>(2 * x + 1)];
   }
   return unknown;
 }
 
-/// Steps, at most kReach, from a seed to each flat pixel, over flat pixels only.
-cv::Mat1b StepsFrom(const cv::Mat1b& seeds, const cv::Mat1b& flat) {
+/// The first row with a pixel that is not 0, and the one after the last; {0, 0} where there is none.
+std::pair<int, int> RowsWithAny(const cv::Mat1b& image) {
+  const auto any = [&](int y) { return cv::countNonZero(image.row(y)) > 0; };
+  int begin = 0, end = image.rows;
+  while (begin < end && !any(begin)) ++begin;
+  while (end > begin && !any(end - 1)) --end;
+  return begin < end ? std::pair(begin, end) : std::pair(0, 0);
+}
+
+/// Steps, at most kReach, from a seed to each flat pixel, over flat pixels only, in rows [begin, end).
+cv::Mat1b StepsFrom(const cv::Mat1b& seeds, const cv::Mat1b& flat, int begin, int end) {
   // A border, so that every pixel has neighbours.
   cv::Mat1b bordered(flat.rows + 2, flat.cols + 2, kNotReached);
   cv::Mat1b steps = bordered(cv::Rect(1, 1, flat.cols, flat.rows));
@@ -62,15 +72,17 @@ cv::Mat1b StepsFrom(const cv::Mat1b& seeds, const cv::Mat1b& flat) {
   };
   // Down and up again; a way that winds more than once is not taken.
   const auto width = static_cast<int>(bordered.step);
-  for (int y = 0; y < steps.rows; ++y) {
+  for (int y = begin; y < end; ++y) {
     std::uint8_t* const row = steps[y];
+    const std::uint8_t* const is_flat = flat[y];
     for (int x = 0; x < steps.cols; ++x)
-      if (flat(y, x) != 0) step_from(row + x - 1, row + x - width, row + x);
+      if (is_flat[x] != 0) step_from(row + x - 1, row + x - width, row + x);
   }
-  for (int y = steps.rows - 1; y >= 0; --y) {
+  for (int y = end - 1; y >= begin; --y) {
     std::uint8_t* const row = steps[y];
+    const std::uint8_t* const is_flat = flat[y];
     for (int x = steps.cols - 1; x >= 0; --x)
-      if (flat(y, x) != 0) step_from(row + x + 1, row + x + width, row + x);
+      if (is_flat[x] != 0) step_from(row + x + 1, row + x + width, row + x);
   }
   return steps;
 }
@@ -84,14 +96,16 @@ void ForgetFlatFringes(const cv::Mat1b& image, const cv::Mat1b& half_image, cv::
   cv::Mat1b seeds = UnknownPixels(disparity, half_image.size()) & flat;
   // Not from the holes that every flat surface has.
   cv::erode(seeds, seeds, cv::Mat1b::ones(7, 7));
-  if (cv::countNonZero(seeds) == 0) return;
-  const cv::Mat1b steps = StepsFrom(seeds, flat);
+  const auto [first_seed, after_seeds] = RowsWithAny(seeds);
+  if (after_seeds == 0) return;
+  const int begin = std::max(first_seed - kReach, 0), end = std::min(after_seeds + kReach, seeds.rows);
+  const cv::Mat1b steps = StepsFrom(seeds, flat, begin, end);
   const auto forget = [&](int v, int u) { disparity(v, u) = sigma(v, u) = kUnknownDisparity; };
   const auto for_each_pixel = [&](int y, int x, const auto& use) {
     for (int v = 2 * y; v < std::min(2 * y + 2, image.rows); ++v)
       for (int u = 2 * x; u < std::min(2 * x + 2, image.cols); ++u) use(v, u);
   };
-  for (int y = 0; y < steps.rows; ++y) {
+  for (int y = begin; y < end; ++y) {
     for (int x = 0; x < steps.cols; ++x) {
       if (steps(y, x) == kNotReached) continue;
       for_each_pixel(y, x, forget);

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -49,6 +51,8 @@ class TerrainMapper {
 
   /// As the last frame left it; never null.
   const TerrainMapPtr& map() const { return parts_->labeler.map(); }
+  /// Sentences for the user, new with the last frame that was added.
+  const std::vector<std::string>& warnings() const { return parts_->labeler.warnings(); }
   /// What the last frame showed of the direction of gravity; none when it showed no level ground.
   const std::optional<GravityHint>& gravity_hint() const { return gravity_hint_; }
 

@@ -18,6 +18,7 @@ class UsageError : public std::runtime_error {
 // One subcommand a file, tools/<name>.cpp. Each adds itself with its options and a callback that does the
 // work.
 void AddCalibrationCommand(CLI::App& app);
+void AddCameraCommand(CLI::App& app);
 void AddCommandCommand(CLI::App& app);
 void AddConvertCommand(CLI::App& app);
 void AddDisparityCommand(CLI::App& app);
@@ -29,6 +30,7 @@ void AddListenCommand(CLI::App& app);
 void AddRecordCommand(CLI::App& app);
 void AddReportCommand(CLI::App& app);
 void AddStatusCommand(CLI::App& app);
+void AddServeCommand(CLI::App& app);
 void AddSynthesizeCommand(CLI::App& app);
 void AddViewCommand(CLI::App& app);
 

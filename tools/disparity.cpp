@@ -32,7 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kSmallestSidePx = 16;
 
-struct Options {
+struct DisparityOptions {
   std::string left, right, out, calib, color, confidence;
   std::string tier = DisparityConfig().tier;
   int max_disparity_px = 0;  // 0: the calibration's, else the matcher's default
@@ -155,7 +155,7 @@ double CpuMs() {
   return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-void MatchPair(const Options& options) {
+void MatchPair(const DisparityOptions& options) {
   const std::string extension = fs::path(options.out).extension();
   if (extension != ".pfm" && extension != ".png")
     throw UsageError(options.out + ": must end in .pfm or .png");
@@ -213,7 +213,7 @@ void MatchPair(const Options& options) {
       {"density", static_cast<double>(num_known) / static_cast<double>(frame.left.total())},
       {"width", frame.left.cols},
       {"height", frame.left.rows},
-      {"max_disparity_px", config.max_disparity_px},
+      {"max_disparity_px", config.max_disparity_px.value()},
       {"tier", config.tier}};
   if (!depth_m.empty()) line["median_depth_m"] = Median(depth_m);
   std::printf("%s\n", line.dump().c_str());
@@ -223,7 +223,7 @@ void MatchPair(const Options& options) {
 
 void AddDisparityCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("disparity", "Match one rectified pair of images");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DisparityOptions>();
   command->add_option("LEFT", options->left, "left image, grey or colour")->required();
   command->add_option("RIGHT", options->right, "right image of the same size")->required();
   command

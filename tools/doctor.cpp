@@ -194,10 +194,10 @@ Findings CheckFiles(const Config& config, std::optional<StereoCalibration>* cali
 }
 
 Findings CheckMask(const Config& config, const std::optional<StereoCalibration>& calibration) {
-  const std::string& png = config.pipeline.terrain.robot.self_mask_png;
-  if (png.empty() || !calibration) return {};
+  if (!calibration) return {};
   try {
-    const cv::Mat1b mask = LoadSelfMask(png, RectifiedSize(*calibration, config.pipeline.rectifier));
+    const cv::Mat1b mask = LoadSelfMask(config.pipeline, *calibration);
+    if (mask.empty()) return {};
     const double hidden =
         1.0 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
     constexpr double kMost = 0.6;

@@ -66,7 +66,7 @@ bool ClockIsSet() {
   return adjtimex(&state) != -1 && (state.status & STA_UNSYNC) == 0;
 }
 
-Finding Judge(bool good, Severity otherwise, const char* code, std::string text, const char* remedy) {
+Finding JudgeFact(bool good, Severity otherwise, const char* code, std::string text, const char* remedy) {
   return {good ? Severity::kGood : otherwise, code, std::move(text),
           good ? std::string() : std::string(remedy)};
 }
@@ -76,24 +76,24 @@ double Megabytes(std::int64_t bytes) { return 1e-6 * static_cast<double>(bytes);
 void JudgeNetwork(const HostFacts& facts, std::vector<Finding>* findings) {
   if (!facts.is_multicast) return;
   findings->push_back(
-      Judge(facts.recv_buffer_bytes >= kEnoughBufferBytes, Severity::kTrouble, "recv_buffer_asked",
-            Printed("lcm.url asks for a receive buffer of %.1f MB", Megabytes(facts.recv_buffer_bytes)),
-            "lcm.url: udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152"));
+      JudgeFact(facts.recv_buffer_bytes >= kEnoughBufferBytes, Severity::kTrouble, "recv_buffer_asked",
+                Printed("lcm.url asks for a receive buffer of %.1f MB", Megabytes(facts.recv_buffer_bytes)),
+                "lcm.url: udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152"));
   findings->push_back(
-      Judge(facts.rmem_max_bytes >= facts.recv_buffer_bytes && facts.rmem_max_bytes >= kEnoughBufferBytes,
-            Severity::kTrouble, "rmem_max",
-            Printed("net.core.rmem_max is %.1f MB", Megabytes(facts.rmem_max_bytes)),
-            "sysctl -w net.core.rmem_max=2097152 now, 60-terrace-lcm.conf in /etc/sysctl.d for good"));
+      JudgeFact(facts.rmem_max_bytes >= facts.recv_buffer_bytes && facts.rmem_max_bytes >= kEnoughBufferBytes,
+                Severity::kTrouble, "rmem_max",
+                Printed("net.core.rmem_max is %.1f MB", Megabytes(facts.rmem_max_bytes)),
+                "sysctl -w net.core.rmem_max=2097152 now, 60-terrace-lcm.conf in /etc/sysctl.d for good"));
   findings->push_back(
-      Judge(facts.has_route, Severity::kTrouble, "multicast_route",
-            facts.has_route ? "there is a route for multicast" : "there is no route for multicast",
-            "ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo; for good: systemctl enable "
-            "--now terrace-loopback"));
+      JudgeFact(facts.has_route, Severity::kTrouble, "multicast_route",
+                facts.has_route ? "there is a route for multicast" : "there is no route for multicast",
+                "ip link set lo multicast on; ip route add 224.0.0.0/4 dev lo; for good: systemctl enable "
+                "--now terrace-loopback"));
   findings->push_back(
-      Judge(facts.ttl == 0, Severity::kNote, "ttl",
-            facts.ttl == 0 ? "messages stay on this computer (ttl=0)"
-                           : Printed("messages go out into the network (ttl=%d), images too", facts.ttl),
-            "ttl=0 unless a planner runs on another computer; then send images over a bus of their own"));
+      JudgeFact(facts.ttl == 0, Severity::kNote, "ttl",
+                facts.ttl == 0 ? "messages stay on this computer (ttl=0)"
+                               : Printed("messages go out into the network (ttl=%d), images too", facts.ttl),
+                "ttl=0 unless a planner runs on another computer; then send images over a bus of their own"));
 }
 
 }  // namespace
@@ -116,23 +116,26 @@ HostFacts ReadHostFacts(const std::string& url) {
 std::vector<Finding> JudgeHost(const HostFacts& facts) {
   std::vector<Finding> findings;
   JudgeNetwork(facts, &findings);
-  findings.push_back(Judge(facts.available_memory_bytes >= kEnoughMemoryBytes, Severity::kTrouble, "memory",
-                           Printed("%.0f MB of memory are free", Megabytes(facts.available_memory_bytes)),
-                           "end other programs; mapping.window_m smaller"));
-  findings.push_back(Judge(facts.num_cores >= 2, Severity::kNote, "cores",
-                           Printed("%d cores", facts.num_cores), "with one core the map takes fewer frames"));
-  findings.push_back(Judge(facts.load <= facts.num_cores, Severity::kNote, "load",
-                           Printed("%.1f processes want to run", facts.load),
-                           "other programs take the processor: Nice= and CPUAffinity= of terraced.service"));
+  findings.push_back(JudgeFact(facts.available_memory_bytes >= kEnoughMemoryBytes, Severity::kTrouble,
+                               "memory",
+                               Printed("%.0f MB of memory are free", Megabytes(facts.available_memory_bytes)),
+                               "end other programs; mapping.window_m smaller"));
+  findings.push_back(JudgeFact(facts.num_cores >= 2, Severity::kNote, "cores",
+                               Printed("%d cores", facts.num_cores),
+                               "with one core the map takes fewer frames"));
+  findings.push_back(
+      JudgeFact(facts.load <= facts.num_cores, Severity::kNote, "load",
+                Printed("%.1f processes want to run", facts.load),
+                "other programs take the processor: Nice= and CPUAffinity= of terraced.service"));
   if (!facts.governor.empty()) {
-    findings.push_back(Judge(facts.governor != "powersave", Severity::kNote, "governor",
-                             "the processor's governor is " + facts.governor,
-                             "cpupower frequency-set -g performance: powersave makes poses late"));
+    findings.push_back(JudgeFact(facts.governor != "powersave", Severity::kNote, "governor",
+                                 "the processor's governor is " + facts.governor,
+                                 "cpupower frequency-set -g performance: powersave makes poses late"));
   }
   findings.push_back(
-      Judge(facts.clock_is_set, Severity::kNote, "clock",
-            facts.clock_is_set ? "the clock is synchronised" : "nothing keeps the clock",
-            "chrony or systemd-timesyncd; needed only where stamps come from another computer"));
+      JudgeFact(facts.clock_is_set, Severity::kNote, "clock",
+                facts.clock_is_set ? "the clock is synchronised" : "nothing keeps the clock",
+                "chrony or systemd-timesyncd; needed only where stamps come from another computer"));
   return findings;
 }
 

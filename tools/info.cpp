@@ -23,6 +23,7 @@
 #include "results/replay_result.h"
 #include "stereo/rectifier.h"
 #include "tools/commands.h"
+#include "tools/folder_needs.h"
 
 namespace terrace {
 namespace {
@@ -241,17 +242,32 @@ void DescribeImage(const fs::path& path) {
   std::printf("\n");
 }
 
+/// A folder that cannot be played: everything that it lacks, not the first thing alone.
+[[noreturn]] void SayWhatIsMissing(const fs::path& path, const std::string& otherwise) {
+  std::string text;
+  for (const std::string& sentence : FolderNeeds(path)) text += (text.empty() ? "" : "\n") + sentence;
+  throw FileError(text.empty() ? otherwise : text);
+}
+
+void DescribeSequence(const fs::path& path) {
+  std::unique_ptr<Sequence> sequence;
+  try {
+    sequence = OpenSequence(path);
+  } catch (const SequenceError& error) {
+    SayWhatIsMissing(path, error.what());
+  }
+  PrintSequence(path, *sequence);
+}
+
 void Describe(const fs::path& path) {
   if (!fs::exists(path)) throw FileError(path.string() + ": no such file or folder");
   if (const std::optional<SequenceKind> kind = RecogniseSequence(path)) {
     if (*kind == SequenceKind::kLcmLog) return DescribeLog(path);
-    return PrintSequence(path, *OpenSequence(path));
+    return DescribeSequence(path);
   }
   if (fs::is_directory(path)) {
     if (IsResultFolder(path)) return DescribeResult(path);
-    throw FileError(path.string() +
-                    ": neither a sequence (EuRoC ASL or KITTI odometry folder) nor a result of "
-                    "terraced replay");
+    SayWhatIsMissing(path, path.string() + ": neither a sequence nor a result of terraced replay");
   }
   if (path.extension() == ".pfm") return DescribePfm(path);
   if (path.extension() == ".json") {

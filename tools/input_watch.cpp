@@ -23,12 +23,12 @@ constexpr double kFutureS = 0.002;
 // Half of what walking needs to be followed.
 constexpr double kSlowImagesHz = 8.0;
 constexpr double kSlowImuHz = 80.0;
-constexpr double kRowsOffPx = 0.5;
+constexpr double kRowsOffMedianPx = 0.5;
 constexpr double kDark = 30.0, kBright = 225.0;
 constexpr double kSaturatedShare = 0.2;
 constexpr double kBlurred = 0.35;
 
-Finding Judge(bool good, Severity otherwise, const char* code, std::string text, const char* remedy) {
+Finding JudgeInput(bool good, Severity otherwise, const char* code, std::string text, const char* remedy) {
   return {good ? Severity::kGood : otherwise, code, std::move(text),
           good ? std::string() : std::string(remedy)};
 }
@@ -52,15 +52,15 @@ double ShareOfWhite(const cv::Mat1b& image) {
 }
 
 /// Rates and gaps of stamps: {rate on arrival [Hz], largest step [s], smallest step [s]}.
-struct Pace {
+struct StampPace {
   double rate_hz = 0.0;
   double max_step_s = 0.0;
   double min_step_s = 0.0;
 };
 
 template <typename Stamps>
-Pace PaceOf(const Stamps& stamps) {
-  Pace pace;
+StampPace PaceOf(const Stamps& stamps) {
+  StampPace pace;
   if (stamps.size() < 2) return pace;
   const double duration_s = SecondsBetween(stamps.front().t_arrival, stamps.back().t_arrival);
   if (duration_s > 0.0) pace.rate_hz = static_cast<double>(stamps.size() - 1) / duration_s;
@@ -89,8 +89,8 @@ void JudgeRows(const Rectifier& rectifier, const std::vector<StereoPair>& pairs,
          "texture"});
     return;
   }
-  findings->push_back(Judge(
-      rows.median_px <= kRowsOffPx, Severity::kTrouble, "rows",
+  findings->push_back(JudgeInput(
+      rows.median_px <= kRowsOffMedianPx, Severity::kTrouble, "rows",
       Printed(
           "rows are off by %.2f px (median of %d points), right image %+.2f px lower, turned by %+.2f deg",
           rows.median_px, rows.num_matches, rows.row_shift_px, Degrees(rows.roll_rad)),
@@ -126,17 +126,17 @@ Findings InputWatch::JudgeStamps() const {
                         "terrace camera, or the camera's own driver, must send images_t on channels.images"});
     return findings;
   }
-  const Pace pace = PaceOf(images_);
-  findings.push_back(Judge(pace.rate_hz >= kSlowImagesHz, Severity::kNote, "images",
-                           Printed("%.1f pairs a second, largest step of their stamps %.0f ms", pace.rate_hz,
-                                   1e3 * pace.max_step_s),
-                           "15 to 30 a second follow a walk"));
+  const StampPace pace = PaceOf(images_);
+  findings.push_back(JudgeInput(pace.rate_hz >= kSlowImagesHz, Severity::kNote, "images",
+                                Printed("%.1f pairs a second, largest step of their stamps %.0f ms",
+                                        pace.rate_hz, 1e3 * pace.max_step_s),
+                                "15 to 30 a second follow a walk"));
   if (images_.size() > 1) {
-    findings.push_back(
-        Judge(pace.min_step_s > 0.0, Severity::kTrouble, "image_stamps_order",
-              pace.min_step_s > 0.0 ? "stamps of images increase" : "stamps of images stand still or go back",
-              "each pair needs the middle of its own exposure, on a clock that is never set back; or two "
-              "cameras send on one channel"));
+    findings.push_back(JudgeInput(
+        pace.min_step_s > 0.0, Severity::kTrouble, "image_stamps_order",
+        pace.min_step_s > 0.0 ? "stamps of images increase" : "stamps of images stand still or go back",
+        "each pair needs the middle of its own exposure, on a clock that is never set back; or two "
+        "cameras send on one channel"));
   }
   std::vector<double> ages_s;
   for (const Stamp& image : images_) ages_s.push_back(SecondsBetween(image.t, image.t_arrival));
@@ -152,8 +152,8 @@ Findings InputWatch::JudgeStamps() const {
     findings.push_back(
         {Severity::kTrouble, "image_stamps", text, "they are stamped in the future: the driver's clock"});
   } else {
-    findings.push_back(Judge(age_s <= kLateS, Severity::kNote, "image_stamps", text,
-                             "a camera that encodes, or a queue in its driver, adds to every age"));
+    findings.push_back(JudgeInput(age_s <= kLateS, Severity::kNote, "image_stamps", text,
+                                  "a camera that encodes, or a queue in its driver, adds to every age"));
   }
   return findings;
 }
@@ -178,18 +178,18 @@ Findings InputWatch::JudgeImu() const {
          "not needed; with one, tracking survives dark, blur and turns (imu_v1_t on channels.imu)"});
     return findings;
   }
-  const Pace pace = PaceOf(imu_);
-  findings.push_back(Judge(
+  const StampPace pace = PaceOf(imu_);
+  findings.push_back(JudgeInput(
       pace.rate_hz >= kSlowImuHz && 1e3 * pace.max_step_s <= config_.imu_gap_ms, Severity::kTrouble, "imu",
       Printed("%.0f IMU samples a second, largest step %.0f ms", pace.rate_hz, 1e3 * pace.max_step_s),
       "100 or more a second, none missing"));
   const double accel = Quantile(accel_norms_, 0.5), gyro = Quantile(gyro_norms_, 0.5);
-  findings.push_back(
-      Judge(accel > 8.8 && accel < 10.8, Severity::kTrouble, "imu_accel",
-            Printed("accelerometer: %.2f m/s2 (median)", accel),
-            "9.8 at rest, gravity included: 1.0 means g instead of m/s2, 0 means gravity was taken out"));
-  findings.push_back(Judge(gyro < 3.0, Severity::kTrouble, "imu_gyro",
-                           Printed("gyroscope: %.3f rad/s (median)", gyro), "rad/s, not deg/s"));
+  findings.push_back(JudgeInput(
+      accel > 8.8 && accel < 10.8, Severity::kTrouble, "imu_accel",
+      Printed("accelerometer: %.2f m/s2 (median)", accel),
+      "9.8 at rest, gravity included: 1.0 means g instead of m/s2, 0 means gravity was taken out"));
+  findings.push_back(JudgeInput(gyro < 3.0, Severity::kTrouble, "imu_gyro",
+                                Printed("gyroscope: %.3f rad/s (median)", gyro), "rad/s, not deg/s"));
   if (images_.empty()) return findings;
   const double offset_s = SecondsBetween(images_.back().t, imu_.back().t) -
                           SecondsBetween(images_.back().t_arrival, imu_.back().t_arrival);
@@ -200,7 +200,7 @@ Findings InputWatch::JudgeImu() const {
     return findings;
   }
   const double delay_s = Quantile(ImuDelays(), 0.95);
-  findings.push_back(Judge(
+  findings.push_back(JudgeInput(
       1e3 * delay_s <= config_.imu_wait_ms, Severity::kTrouble, "imu_overlap",
       Printed("the IMU reaches the time of a pair %.1f ms after the pair has arrived (95 %%)", 1e3 * delay_s),
       "longer than lcm.imu_wait_ms: the pair goes on without; send samples sooner, in smaller parts"));
@@ -230,13 +230,13 @@ Findings InputWatch::JudgePairs(const std::optional<StereoCalibration>& calibrat
   }
   const bool lit = std::min(brightness[0], brightness[1]) > kDark &&
                    std::max(brightness[0], brightness[1]) < kBright && white < kSaturatedShare;
-  findings.push_back(Judge(lit, Severity::kTrouble, "exposure",
-                           Printed("mean brightness %.0f and %.0f of 255, %.0f %% white", brightness[0],
-                                   brightness[1], 100.0 * white),
-                           "exposure and gain of the camera, the same for both"));
-  findings.push_back(Judge(sharpness > kBlurred, Severity::kNote, "sharpness",
-                           Printed("detail against that of half the size: %.2f", sharpness),
-                           "focus, dirt on the lens, a shorter exposure while walking"));
+  findings.push_back(JudgeInput(lit, Severity::kTrouble, "exposure",
+                                Printed("mean brightness %.0f and %.0f of 255, %.0f %% white", brightness[0],
+                                        brightness[1], 100.0 * white),
+                                "exposure and gain of the camera, the same for both"));
+  findings.push_back(JudgeInput(sharpness > kBlurred, Severity::kNote, "sharpness",
+                                Printed("detail against that of half the size: %.2f", sharpness),
+                                "focus, dirt on the lens, a shorter exposure while walking"));
   if (!calibration) return findings;
   const GrayImage& left = good.front().left;
   if (left.width != calibration->width || left.height != calibration->height) {

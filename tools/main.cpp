@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "terrace " TERRACE_VERSION);
   app.require_subcommand(1);
   terrace::AddCalibrationCommand(app);
+  terrace::AddCameraCommand(app);
   terrace::AddCommandCommand(app);
   terrace::AddConvertCommand(app);
   terrace::AddDisparityCommand(app);
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
   terrace::AddRecordCommand(app);
   terrace::AddReportCommand(app);
   terrace::AddStatusCommand(app);
+  terrace::AddServeCommand(app);
   terrace::AddSynthesizeCommand(app);
   terrace::AddViewCommand(app);
 

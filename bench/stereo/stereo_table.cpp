@@ -313,7 +313,7 @@ void Prior(const Walk& walk, const Method& reference) {
       cpu_ms[1] += (CpuMs() - with_prior) / n;
       if (!frame.truth) continue;
       const double start_of_reference = CpuMs();
-      reference.match(frame.frame, config.max_disparity_px);
+      reference.match(frame.frame, config.max_disparity_px.value());
       reference_ms.push_back(CpuMs() - start_of_reference);
       errors[0].Add(ToFloatImage(results.back().disparity_px), frame.truth->disparity);
       errors[1].Add(ToFloatImage(without.disparity_px), frame.truth->disparity);

@@ -41,6 +41,10 @@ class ConfigTest : public testing::Test {
   fs::path dir_;
 };
 
+TEST_F(ConfigTest, TakesAWordWhereAWholeNumberMayBeChosen) {
+  EXPECT_EQ(LoadConfig({}, {"stereo.max_disparity_px=auto"}).pipeline.stereo.max_disparity_px, std::nullopt);
+}
+
 TEST_F(ConfigTest, NeedsNoFile) { EXPECT_EQ(LoadConfig({}, {}).pipeline.stereo.max_disparity_px, 128); }
 
 TEST_F(ConfigTest, AFileOverridesAnyPartAndASettingOverridesTheFile) {

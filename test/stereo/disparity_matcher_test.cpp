@@ -40,6 +40,25 @@ TEST(DisparityConfigTest, ListsEveryProblemAtOnce) {
   EXPECT_THROW(DisparityMatcher{config}, std::invalid_argument);
 }
 
+TEST(DisparityConfigTest, AutoSearchesAsFarAsTheNearestDistanceNeeds) {
+  DisparityConfig config;
+  config.max_disparity_px = std::nullopt;
+  config.nearest_m = 0.4;
+  EXPECT_TRUE(config.Problems().empty());
+  StereoCamera camera;
+  camera.fx = 400;
+  camera.baseline_m = 0.12;
+  EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 128);  // 120 px
+  camera.fx = 700;
+  EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 224);  // 210 px
+  camera.fx = 2000;
+  EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 256);  // 600 px, and no more is searched
+  config.max_disparity_px = 64;
+  EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 64);
+  config.max_disparity_px = std::nullopt;
+  EXPECT_THROW(DisparityMatcher{config}, std::invalid_argument);
+}
+
 DisparityConfig Tier(const std::string& tier, int max_disparity_px) {
   DisparityConfig config;
   config.tier = tier;

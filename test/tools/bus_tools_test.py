@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""`terrace status`, `command`, `doctor` and `record` beside a live daemon: what they say and their exit codes."""
+"""`terrace status`, `command`, `doctor`, `record` and `camera` beside a live daemon: what they say and their exit codes."""
 import glob
 import json
 import pathlib
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -62,6 +63,63 @@ def check_doctor(terrace, log):
         assert words in page, page
 
 
+def check_drivers(terrace, example, python_dir):
+    """The examples for drivers of one's own are heard."""
+    own = pathlib.Path(__file__).resolve().parent.parent.parent / "tools/example/own_camera.py"
+    for driver in ([example], [sys.executable, str(own)]):
+        process = subprocess.Popen(driver, env={"PYTHONPATH": python_dir})
+        _, page, _ = terrace.run("doctor", "--url", URL, "--seconds", "2")
+        process.kill()
+        process.wait()
+        assert process.returncode == -signal.SIGKILL and "pairs a second" in page, page
+        assert "stamps of images increase" in page and "cannot be used" not in page, page
+
+
+def check_camera(terrace, folder):
+    """Two devices' buffers as they were saved are played, paired and sent."""
+    width, height = 64, 48
+    frames, log = f"{folder}/frames.lcmlog", f"{folder}/camera.lcmlog"
+    with open(frames, "wb") as file:
+        for i in range(40):
+            for device in (0, 1):
+                pixels = bytes((u * 7 + v * 13 + 3 * device) & 0xFF for v in range(height) for u in range(width))
+                # The right device misses every fourth frame.
+                if device == 1 and i % 4 == 0:
+                    continue
+                t_ns = 1_700_000_000_000_000_000 + 33_000_000 * i + 200_000 * device
+                data = struct.pack(">6q", 0, 1, width, height, i, t_ns) + pixels
+                channel = b"CAMERA%d" % device
+                file.write(struct.pack(">IqqII", 0xEDA1DA01, i, t_ns // 1000, len(channel), len(data)) + channel + data)
+    camera = pathlib.Path(folder, "camera.yaml")
+    camera.write_text("{device: /dev/video0, device_right: /dev/video1, width: 64, height: 48, format: GREY}\n")
+    code, _, said = terrace.run("camera", str(camera), "--play-frames", frames, "--url", URL)
+    assert code == DONE and "30 pairs, 0 of them unreadable; 10 frames without a partner, 9 lost by the driver" in said, said
+    code, _, said = terrace.run("camera", str(camera), "--play-frames", frames, "--record", log, "--url", URL)
+    assert code == WRONG_USE and "--record needs --calibration" in said, said
+    rig = pathlib.Path(folder, "rig.yaml")
+    lens = "{model: radial-tangential, fx: 50, fy: 50, cx: 31.5, cy: 23.5, distortion: [0, 0, 0, 0]}"
+    rig.write_text(f"format: terrace-rig\nversion: 1\nimage_size: [64, 48]\nleft: {lens}\nright: {lens}\n"
+                   "T_right_left: [1, 0, 0, -0.12, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n")
+    code, _, said = terrace.run("camera", str(camera), "--play-frames", frames, "--record", log, "--calibration", str(rig),
+                                "--url", URL)
+    assert code == DONE, said
+    code, page, said = terrace.run("info", log)
+    assert code == DONE and "30 frames" in page and "64x48" in page, (page, said)
+    rig.write_text(rig.read_text().replace("[64, 48]", "[128, 96]"))
+    code, _, said = terrace.run("camera", str(camera), "--play-frames", frames, "--calibration", str(rig), "--url", URL)
+    assert code == FAILED and "each image is 64x48, the calibration is for 128x96" in said, said
+    camera.write_text("{widht: 64}\n")
+    code, _, said = terrace.run("camera", str(camera), "--url", URL)
+    assert code == WRONG_USE and "widht" in said and "no such key" in said, said
+    # One that is not there is waited for.
+    camera.write_text(f"{{device: {folder}/missing}}\n")
+    waiting = subprocess.Popen([terrace.program, "camera", str(camera), "--url", URL], stderr=subprocess.PIPE, text=True)
+    assert "waiting for it" in waiting.stderr.readline()
+    waiting.send_signal(signal.SIGINT)
+    waiting.communicate(timeout=60)
+    assert waiting.returncode == DONE
+
+
 def check_record(terrace, terraced, log, folder):
     """What the bus carried is kept on command, and replays."""
     records = f"{folder}/records"
@@ -107,10 +165,12 @@ def check_with_input(terrace, log, folder):
 
 def main():
     enter_namespace(["lcm-logplayer"])
-    terraced, program, tiny_log = sys.argv[1:4]
+    terraced, program, tiny_log, example, python_dir = sys.argv[1:6]
     terrace = Terrace(program)
     check_without_daemon(terrace)
+    check_drivers(terrace, example, python_dir)
     with tempfile.TemporaryDirectory(prefix="terrace_bus_tools_test.") as folder:
+        check_camera(terrace, folder)
         log = f"{folder}/tiny.lcmlog"
         subprocess.run([tiny_log, log, "12"], check=True)
         daemon = subprocess.Popen([terraced, "--set", f"lcm.url={URL}", "--set", f"lcm.save_folder={folder}"],

@@ -11,16 +11,16 @@ namespace terrace {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr Timestamp kStart{1'700'000'000'000'000'000};
+constexpr Timestamp kWatchStart{1'700'000'000'000'000'000};
 
-const Finding* Find(const std::vector<Finding>& findings, const std::string& code) {
+const Finding* FindInput(const std::vector<Finding>& findings, const std::string& code) {
   const auto found = std::find_if(findings.begin(), findings.end(),
                                   [&](const Finding& finding) { return finding.code == code; });
   return found == findings.end() ? nullptr : &*found;
 }
 
 Severity SeverityOf(const std::vector<Finding>& findings, const std::string& code) {
-  const Finding* finding = Find(findings, code);
+  const Finding* finding = FindInput(findings, code);
   EXPECT_NE(finding, nullptr) << code;
   return finding == nullptr ? Severity::kGood : finding->severity;
 }
@@ -37,9 +37,9 @@ struct Feed {
   InputWatch Watched() const {
     InputWatch watch{LiveConfig()};
     for (int ms = 0; ms < 2000; ms += 5) {
-      const Timestamp t = kStart + milliseconds(ms);
+      const Timestamp t = kWatchStart + milliseconds(ms);
       watch.AddImu({t + imu_clock, Eigen::Vector3d(gyro, 0, 0), Eigen::Vector3d(0, 0, accel)}, t + imu_age);
-      if (ms % 50 == 0) watch.AddImageStamp(same_stamps ? kStart : t, t + image_age);
+      if (ms % 50 == 0) watch.AddImageStamp(same_stamps ? kWatchStart : t, t + image_age);
     }
     return watch;
   }
@@ -50,7 +50,7 @@ TEST(InputWatchTest, FindsNothingWrongWithGoodInputs) {
   for (const auto& findings : {watch.JudgeStamps(), watch.JudgeImu()}) {
     for (const Finding& finding : findings) EXPECT_EQ(finding.severity, Severity::kGood) << InWords(finding);
   }
-  EXPECT_NE(Find(watch.JudgeStamps(), "images")->text.find("20.0 pairs a second"), std::string::npos);
+  EXPECT_NE(FindInput(watch.JudgeStamps(), "images")->text.find("20.0 pairs a second"), std::string::npos);
 }
 
 TEST(InputWatchTest, MissesImagesAndTakesAMissingImuForANote) {
@@ -66,7 +66,7 @@ TEST(InputWatchTest, SeesStampsFromTheFutureFromAnotherClockAndThatStandStill) {
   feed.image_age = milliseconds(100'000'000);
   const auto other_clock = feed.Watched().JudgeStamps();
   EXPECT_EQ(SeverityOf(other_clock, "image_stamps"), Severity::kNote);
-  EXPECT_NE(Find(other_clock, "image_stamps")->text.find("another clock"), std::string::npos);
+  EXPECT_NE(FindInput(other_clock, "image_stamps")->text.find("another clock"), std::string::npos);
   feed = Feed();
   feed.same_stamps = true;
   EXPECT_EQ(SeverityOf(feed.Watched().JudgeStamps(), "image_stamps_order"), Severity::kTrouble);
@@ -89,8 +89,8 @@ TEST(InputWatchTest, MeasuresHowLateTheImuIs) {
   feed.imu_age = milliseconds(150);  // 138 ms after the image of the same time
   const auto findings = feed.Watched().JudgeImu();
   EXPECT_EQ(SeverityOf(findings, "imu_overlap"), Severity::kTrouble);
-  EXPECT_NE(Find(findings, "imu_overlap")->text.find("138.0 ms"), std::string::npos)
-      << Find(findings, "imu_overlap")->text;
+  EXPECT_NE(FindInput(findings, "imu_overlap")->text.find("138.0 ms"), std::string::npos)
+      << FindInput(findings, "imu_overlap")->text;
   feed.imu_age = milliseconds(60);
   EXPECT_EQ(SeverityOf(feed.Watched().JudgeImu(), "imu_overlap"), Severity::kGood);
 }
@@ -144,7 +144,8 @@ TEST(InputWatchTest, FindsNothingWrongWithASharpWellLitPairOnItsRows) {
 TEST(InputWatchTest, SeesRowsThatAreOff) {
   const auto findings = JudgePair(TexturedPair(3, 60, 120));
   EXPECT_EQ(SeverityOf(findings, "rows"), Severity::kTrouble);
-  EXPECT_NE(Find(findings, "rows")->text.find("+3.0"), std::string::npos) << Find(findings, "rows")->text;
+  EXPECT_NE(FindInput(findings, "rows")->text.find("+3.0"), std::string::npos)
+      << FindInput(findings, "rows")->text;
 }
 
 TEST(InputWatchTest, SeesDarkAndOverexposedImages) {

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Writes a log of terrain messages, and prints as JSON what a C++ subscriber has of it and how TerrainQuery
+// answers: what the Python package is held against.
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <lcm/lcm-cpp.hpp>
+
+#include "client/terrain_follower.h"
+#include "client/terrain_query.h"
+#include "lcmtypes/terrain_codec.h"
+#include "test/client/made_terrain.h"
+
+namespace terrace {
+namespace {
+
+constexpr double kHalfExtent_m = 2.0;
+constexpr std::size_t kPartBytes = 1400;
+
+void Write(lcm::LogFile* log, TerrainFollower* follower, const std::vector<terrain_v1_t>& messages) {
+  for (const terrain_v1_t& message : messages) {
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    lcm::LogEvent event{};
+    event.timestamp = message.utime;
+    event.channel = "TERRACE_TERRAIN";
+    event.datalen = static_cast<std::int32_t>(bytes.size());
+    event.data = bytes.data();
+    log->writeEvent(&event);
+    follower->Receive(bytes.data(), bytes.size());
+  }
+}
+
+void PrintRegions(const TerrainMap& map) {
+  std::printf("{\"seq\": %ld, \"regions\": [", static_cast<long>(map.seq));
+  const char* comma = "";
+  for (const auto& region : map.regions) {
+    const Eigen::Vector3d& first = region->outline_world.front();
+    std::printf(
+        "%s{\"id\": %ld, \"revision\": %d, \"label\": \"%s\", \"confidence\": %.9g, \"vertices\": %zu, "
+        "\"first\": [%.9f, %.9f, %.9f], \"last_seen_ns\": %ld}",
+        comma, static_cast<long>(region->id), region->revision, Name(region->label), region->confidence,
+        region->edges.size(), first.x(), first.y(), first.z(), static_cast<long>(region->last_seen.ns));
+    comma = ", ";
+  }
+  std::printf("],\n");
+}
+
+void PrintSupport(const Support& support) {
+  const Eigen::Vector3d& p = support.point_world;
+  std::printf(
+      "{\"region\": %ld, \"point\": [%.9f, %.9f, %.9f], \"sigma\": %.9g, \"edge_distance\": %.9f, "
+      "\"edge\": \"%s\", \"age\": %.9f}",
+      static_cast<long>(support.region_id), p.x(), p.y(), p.z(), support.sigma_height_m,
+      support.edge_distance_m, Name(support.edge.kind), support.age_s);
+}
+
+void PrintAnswers(const TerrainQuery& query, ScatteredTerrain* terrain) {
+  std::printf("\"supports\": [");
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector2d xy(terrain->Real(-kHalfExtent_m, kHalfExtent_m),
+                             terrain->Real(-kHalfExtent_m, kHalfExtent_m));
+    std::printf("%s{\"xy\": [%.17g, %.17g], \"found\": [", i > 0 ? ",\n" : "", xy.x(), xy.y());
+    const char* comma = "";
+    for (const Support& support : query.SupportsAt(xy)) {
+      std::printf("%s", comma);
+      PrintSupport(support);
+      comma = ", ";
+    }
+    std::printf("]}");
+  }
+  std::printf("],\n\"footholds\": [");
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d nominal(terrain->Real(-kHalfExtent_m, kHalfExtent_m),
+                                  terrain->Real(-kHalfExtent_m, kHalfExtent_m), terrain->Real(-0.2, 1.7));
+    const auto foothold = query.NearestFoothold(nominal, 0.3, 0.3);
+    std::printf("%s{\"nominal\": [%.17g, %.17g, %.17g], \"distance\": ", i > 0 ? ",\n" : "", nominal.x(),
+                nominal.y(), nominal.z());
+    if (foothold) std::printf("%.9f}", foothold->distance_m);
+    if (!foothold) std::printf("null}");
+  }
+  std::printf("]}\n");
+}
+
+int Run(const std::string& path) {
+  ScatteredTerrain terrain(7);
+  const auto first = terrain.Map(40, kHalfExtent_m);
+  TerrainMap second = *first;
+  ++second.seq;
+  second.regions.erase(second.regions.begin() + 10);
+  for (std::size_t i = 20; i < 25; ++i) {
+    auto changed = terrain.Region(second.regions[i]->id, kHalfExtent_m);
+    changed->revision = 2;
+    second.regions[i] = changed;
+  }
+  TerrainMap later = second;
+  later.t_capture.ns += 500'000'000;
+  lcm::LogFile log(path, "w");
+  if (!log.good()) return 1;
+  TerrainFollower follower;
+  Write(&log, &follower, SnapshotMessages(*first, kPartBytes));
+  Write(&log, &follower, DeltaMessages(*first, second, kPartBytes));
+  const SeenRegion seen{second.regions[0]->id, later.t_capture - std::chrono::milliseconds(20)};
+  Write(&log, &follower, SeenMessages(later, std::nullopt, {&seen, 1}, kPartBytes));
+  PrintRegions(*follower.map());
+  PrintAnswers(TerrainQuery(follower.map()), &terrain);
+  return 0;
+}
+
+}  // namespace
+}  // namespace terrace
+
+int main(int argc, char** argv) { return argc == 2 ? terrace::Run(argv[1]) : 2; }

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "labeling/staircase_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include "label_scene.h"
+
+namespace terrace {
+namespace {
+
+constexpr int kFrames = 3;
+
+/// Faces of a flight of six risers in x from (3, 0, 0), and what was found of it.
+class StaircaseTrackerTest : public testing::Test {
+ protected:
+  StaircaseTrackerTest() : table_({0.52, 1.13, 0.5}, 0.003), tracker_(kFrames) {
+    LabelScene scene;
+    for (int k = 1; k <= 6; ++k) {
+      const double x = 3.0 + 0.28 * (k - 1), z = 0.17 * (k - 1);
+      scene.AddFace(TerrainLabel::kStairRiser, {x, 0.6, z}, {x, -0.6, z}, 0.17, k);
+    }
+    table_.Update(scene.Update(), TestGravity(), {1, 0, 0.5});
+  }
+
+  /// As it is found when risers `first` to `last` are seen, which are counted from 1 then.
+  static FoundStaircase Found(int first, int last) {
+    FoundStaircase found;
+    found.model.origin = {3.0 + 0.28 * (first - 1), 0.0};
+    found.model.foot_z = 0.17 * (first - 1);
+    found.model.rise_m = 0.17;
+    found.model.run_m = 0.28;
+    found.model.lateral = {-0.6, 0.6};
+    found.num_risers = last - first + 1;
+    found.num_treads = found.num_risers - 1;
+    found.rise_sigma_m = 0.003;
+    found.run_sigma_m = 0.004;
+    found.confidence = 0.9;
+    for (int k = first; k <= last; ++k) found.members.push_back({k - 1, true, k - first + 1});
+    return found;
+  }
+
+  void See(const FoundStaircase& found, int times = 1) {
+    for (int i = 0; i < times; ++i) tracker_.Update({found}, table_);
+  }
+  const Staircase& told() const { return tracker_.confirmed().at(0).published; }
+
+  ShapeTable table_;
+  StaircaseTracker tracker_;
+};
+
+TEST_F(StaircaseTrackerTest, TellsAStaircaseAfterSomeFramesInARow) {
+  See(Found(1, 6), kFrames - 1);
+  EXPECT_TRUE(tracker_.confirmed().empty());
+  See(Found(1, 6));
+  ASSERT_EQ(tracker_.confirmed().size(), 1u);
+  EXPECT_EQ(told().id, 1);
+  EXPECT_EQ(told().num_risers, 6);
+  EXPECT_NEAR((told().base_world() - Eigen::Vector3d(3, 0, 0)).norm(), 0.0, 1e-9);
+}
+
+TEST_F(StaircaseTrackerTest, DoesNotTellWhatIsFoundNowAndThen) {
+  for (int i = 0; i < 5; ++i) {
+    See(Found(1, 6), kFrames - 1);
+    tracker_.Update({}, table_);
+    EXPECT_TRUE(tracker_.confirmed().empty());
+  }
+}
+
+TEST_F(StaircaseTrackerTest, KeepsTheCountWhileStepsAtEitherEndAreHidden) {
+  See(Found(1, 6), kFrames);
+  See(Found(1, 4), 5);
+  EXPECT_EQ(told().num_risers, 6);
+  See(Found(3, 6), 5);
+  EXPECT_EQ(told().num_risers, 6);
+  EXPECT_NEAR(told().base_world().x(), 3.0, 1e-6);
+  EXPECT_EQ(tracker_.confirmed()[0].places.back().step_index, 6);
+}
+
+TEST_F(StaircaseTrackerTest, BelievesMoreStepsWhenTheyAreSeenForSomeTime) {
+  See(Found(1, 4), kFrames);
+  See(Found(1, 6));
+  EXPECT_EQ(told().num_risers, 4);
+  See(Found(1, 6), kFrames);
+  EXPECT_EQ(told().num_risers, 6);
+  EXPECT_EQ(told().id, 1);
+}
+
+TEST_F(StaircaseTrackerTest, RestsWhileNewNumbersSayNothingBetter) {
+  See(Found(1, 6), kFrames);
+  FoundStaircase other = Found(1, 6);
+  other.model.rise_m += 0.004;
+  other.model.run_m -= 0.005;
+  See(other, 10);
+  EXPECT_EQ(told().riser_m, 0.17);
+  EXPECT_EQ(told().tread_m, 0.28);
+  other.rise_sigma_m = other.run_sigma_m = 0.001;
+  See(other);
+  EXPECT_NEAR(told().riser_m, 0.174, 1e-12);
+}
+
+TEST_F(StaircaseTrackerTest, ForgetsOneThatIsNoLongerFoundAndNeverUsesItsIdAgain) {
+  See(Found(1, 6), kFrames);
+  for (int i = 0; i < kFrames; ++i) tracker_.Update({}, table_);
+  EXPECT_EQ(tracker_.confirmed().size(), 1u);
+  tracker_.Update({}, table_);
+  EXPECT_TRUE(tracker_.confirmed().empty());
+  See(Found(1, 6), kFrames);
+  EXPECT_EQ(told().id, 2);
+}
+
+}  // namespace
+}  // namespace terrace

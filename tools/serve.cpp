@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <lcm/lcm-cpp.hpp>
+
+#include "results/replay_result.h"
+#include "tools/commands.h"
+#include "tools/result_server.h"
+
+namespace terrace {
+namespace {
+
+volatile std::sig_atomic_t serve_interrupted = 0;
+
+struct ServeOptions {
+  std::string result;
+  std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
+  double seconds = 0.0;
+};
+
+void Serve(const ServeOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  struct sigaction action {};
+  action.sa_handler = [](int) { serve_interrupted = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  const ReplayResult result = ReadReplayResult(options.result);
+  lcm::LCM lcm(options.url);
+  if (!lcm.good()) throw std::runtime_error(options.url + ": cannot be opened");
+  ResultServer server(&lcm, result);
+  std::printf("serving %zu regions and %zu staircases on %s until Ctrl-C\n", result.map.regions.size(),
+              result.map.staircases.size(), options.url.c_str());
+  std::fflush(stdout);
+  constexpr int kPatienceMs = 20;
+  const Clock::time_point start = Clock::now();
+  while (!serve_interrupted &&
+         (options.seconds == 0.0 || Clock::now() - start < std::chrono::duration<double>(options.seconds))) {
+    // A signal makes the waiting fail, too.
+    if (lcm.handleTimeout(kPatienceMs) < 0 && errno != EINTR) throw std::runtime_error("LCM has failed");
+    server.Tick(Clock::now());
+  }
+}
+
+}  // namespace
+
+void AddServeCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "serve",
+      "Publish the finished map of a result as the daemon does, for a planner that is written at a desk");
+  auto options = std::make_shared<ServeOptions>();
+  command->add_option("RESULT", options->result, "folder that `terraced replay` wrote")->required();
+  command->add_option("--url", options->url, "LCM provider")->capture_default_str();
+  command->add_option("--seconds", options->seconds, "end after this time; 0: at Ctrl-C")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command->callback([options] { Serve(*options); });
+}
+
+}  // namespace terrace
