@@ -45,10 +45,14 @@ bool IsLoopbackName(const std::string& name) {
 
 }  // namespace
 
+struct ViewServer::Loop {
+  asio::io_context io{1};
+};
+
 class ViewServer::Impl : public std::enable_shared_from_this<Impl> {
  public:
-  Impl(const ViewServerOptions& options, ViewContent given, ViewFeed* feed_given)
-      : content(std::move(given)), feed(feed_given), acceptor(io) {
+  Impl(asio::io_context* io, const ViewServerOptions& options, ViewContent given, ViewFeed* feed_given)
+      : content(std::move(given)), feed(feed_given), acceptor(*io) {
     beast::error_code error;
     const asio::ip::address address = asio::ip::make_address(options.address, error);
     if (error) throw std::runtime_error(options.address + ": is no address of a network interface");
@@ -71,7 +75,6 @@ class ViewServer::Impl : public std::enable_shared_from_this<Impl> {
   class Browser;
   class Connection;
 
-  asio::io_context io{1};
   ViewContent content;
   ViewFeed* feed;
   tcp::acceptor acceptor;
@@ -220,9 +223,10 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
       return Send(http::status::service_unavailable, "text/plain", "nothing live, or too many browsers");
     }
     stream_.expires_never();
-    stream_.socket().set_option(asio::socket_base::send_buffer_size(kSendBufferBytes));
-    stream_.socket().set_option(asio::socket_base::keep_alive(true));
-    stream_.socket().set_option(tcp::no_delay(true));
+    beast::error_code ignored;  // a browser that has gone already is found out by the first message
+    stream_.socket().set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
+    stream_.socket().set_option(asio::socket_base::keep_alive(true), ignored);
+    stream_.socket().set_option(tcp::no_delay(true), ignored);
     std::make_shared<Browser>(server_, std::move(stream_))->Start(request_);
   }
 
@@ -271,25 +275,19 @@ void ViewServer::Impl::WakeAll() {
 }
 
 ViewServer::ViewServer(const ViewServerOptions& options, ViewContent content, ViewFeed* feed)
-    : impl_(std::make_shared<Impl>(options, std::move(content), feed)) {
+    : loop_(std::make_unique<Loop>()),
+      impl_(std::make_shared<Impl>(&loop_->io, options, std::move(content), feed)) {
   impl_->Accept();
 }
 
-ViewServer::~ViewServer() {
-  // What is still waiting holds the server, and the server what is waiting: a last round lets go of both.
-  impl_->io.restart();
-  beast::error_code ignored;
-  impl_->acceptor.close(ignored);
-  impl_->browsers.clear();
-  impl_->io.poll();
-}
+ViewServer::~ViewServer() { impl_->browsers.clear(); }
 
-void ViewServer::Run() { impl_->io.run(); }
+void ViewServer::Run() { loop_->io.run(); }
 
-void ViewServer::Stop() { impl_->io.stop(); }
+void ViewServer::Stop() { loop_->io.stop(); }
 
 void ViewServer::Change(std::function<void(ViewFeed*)> change) {
-  asio::post(impl_->io, [impl = impl_, change = std::move(change)] {
+  asio::post(loop_->io, [impl = impl_, change = std::move(change)] {
     change(impl->feed);
     impl->WakeAll();
   });

@@ -49,7 +49,10 @@ class ViewServer {
   std::size_t num_browsers() const;  ///< from any thread
 
  private:
+  struct Loop;
   class Impl;
+  // Last destroyed: what still waits in the loop holds browsers, and they hold the rest.
+  std::unique_ptr<Loop> loop_;
   std::shared_ptr<Impl> impl_;
 };
 

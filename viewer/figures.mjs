@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // figures.mjs TERRACE [OUTPUTS.lcmlog SPEED SENSORS.lcmlog SPEED]: measures the page and `terrace view`, and prints the figures of
 // README.md. Without logs only the page; with them, what a daemon published and what it saw are played side by side.
-import { execFileSync, spawn } from 'node:child_process';
+import { spawn } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs';
 import { connect } from 'node:net';
 import { tmpdir } from 'node:os';
@@ -73,7 +73,7 @@ async function play() {
 
 async function measureLive(browser, images) {
   const view = await startView(terrace, ['--url', URL]);
-  const { page } = await openPage(browser.context, `${view.url}#off=${images ? '' : 'image'}`);
+  const { page } = await openPage(browser.context, `${view.url}#switched=${images ? '' : 'image'}`);
   await page.waitForFunction(() => window.terrace.live.connected);
   await sleep(1000);
   const before = cpuS(view.pid);
@@ -81,6 +81,7 @@ async function measureLive(browser, images) {
   await play();
   const elapsedS = (performance.now() - begin) / 1000;
   const share = (100 * (cpuS(view.pid) - before)) / elapsedS;
+  await sleep(2000);  // until everything is on the screen
   const figures = await page.evaluate(() => ({ latency: window.terrace.latencyMs(), bytes: window.terrace.live.numBytes, regions: window.terrace.model.regions.size, path: window.terrace.model.path.length }));
   console.log(`images ${images ? 'on' : 'off'}: view process ${share.toFixed(1)} % of a core; bus to screen ${figures.latency?.toFixed(0)} ms median; ` +
     `${(figures.bytes * 1e-6).toFixed(2)} MB to the browser; ${figures.regions} regions, ${figures.path} poses`);
@@ -112,8 +113,7 @@ async function measureSlow() {
 const browser = await openBrowser();
 await measurePage(browser);
 if (outputs) {
-  const kept = execFileSync(terrace, ['info', outputs], { encoding: 'utf8' });
-  console.log(kept);
+  console.log(`what the bus carried: ${(statSync(outputs).size * 1e-6).toFixed(2)} MB without the images`);
   await measureLive(browser, false);
   await measureLive(browser, true);
   await measureSlow();

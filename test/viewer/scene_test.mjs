@@ -70,7 +70,7 @@ test('picks the region under the pointer, nothing through a hole, and the nearer
   assert.equal(await pickAt(page, [1.25, 1.25, 0]), null);
 }));
 
-test('draws a region in the colour of its label and a drop in vermilion', () => withPage('#view=top&off=grid,staircases', async (page) => {
+test('draws a region in the colour of its label and a drop in vermilion', () => withPage('#view=top&switched=grid,staircases', async (page) => {
   const colourAt = async (point) => {
     const at = await placeOf(page, point);
     return page.evaluate(([x, y]) => {

@@ -14,7 +14,7 @@ import { parseRecord, parseRecording, recordingOf, StreamRecord, toBase64 } from
 import { StatePanel } from './state_panel';
 import { Timeline } from './timeline';
 import { Actions, helpContent, Toolbar } from './toolbar';
-import { Layer, LAYERS, View3d } from './view3d';
+import { isShownAtFirst, Layer, LAYERS, View3d } from './view3d';
 
 const PANEL_EVERY_MS = 250;
 const AGE_EVERY_MS = 1000;
@@ -68,7 +68,7 @@ export class App implements Actions {
     if (state.dark !== undefined) this.dark = state.dark;
     this.applyTheme();
     if (state.seconds !== undefined && state.seconds !== null) this.player?.seek(this.player.startUtime + 1e6 * state.seconds);
-    for (const layer of LAYERS) this.setLayer(layer, state.off ? !state.off.includes(layer) : this.view.shown.get(layer)!);
+    for (const layer of LAYERS) this.setLayer(layer, isShownAtFirst(layer) !== (state.switched ?? []).includes(layer));
     if (this.player && !state.view) this.view.cameras.view = 'free';
     this.view.update();
     if (state.mode) this.setMode(state.mode);
@@ -82,11 +82,12 @@ export class App implements Actions {
   }
 
   private take(record: StreamRecord, bytes: Uint8Array): void {
+    const wasInStep = this.model.inStep;
     this.model.apply(record);
     if ((record.kind === 'P' || record.kind === 'T') && record.heardUtime > 0) this.undrawn.push(record.heardUtime);
     this.recording?.push(bytes.slice());
     this.modelStale = true;
-    if (!this.model.inStep) this.live?.ask({ snapshot: true });
+    if (record.kind === 'T' && wasInStep && !this.model.inStep) this.live?.ask({ snapshot: true });
   }
 
   private tick(now: number): void {
@@ -236,8 +237,8 @@ export class App implements Actions {
 
   hash(): string {
     const seconds = this.player ? (this.player.utime - this.player.startUtime) * 1e-6 : null;
-    const off = LAYERS.filter((layer) => !this.view.shown.get(layer));
-    return toHash({ view: this.view.cameras.view, place: this.view.cameras.place(), mode: this.view.surfaces.mode, off, dark: this.dark, region: this.selected, seconds });
+    const switched = LAYERS.filter((layer) => this.view.shown.get(layer) !== isShownAtFirst(layer));
+    return toHash({ view: this.view.cameras.view, place: this.view.cameras.place(), mode: this.view.surfaces.mode, switched, dark: this.dark, region: this.selected, seconds });
   }
 
   picture(): void {

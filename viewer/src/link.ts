@@ -7,7 +7,7 @@ export interface ViewState {
   view: View;
   place: Place;
   mode: Mode;
-  off: string[];   // layers that are not shown
+  switched: string[];  // layers that are shown or hidden otherwise than at first
   dark: boolean;
   region: number | null;
   seconds: number | null;  // on the time line, from its start
@@ -16,7 +16,7 @@ export interface ViewState {
 export function toHash(state: ViewState): string {
   const numbers = [...state.place.position, ...state.place.target, state.place.zoom];
   const parts: Record<string, string> = {
-    view: state.view, at: numbers.join(','), mode: state.mode, off: state.off.join(','), theme: state.dark ? 'dark' : 'light',
+    view: state.view, at: numbers.join(','), mode: state.mode, switched: state.switched.join(','), theme: state.dark ? 'dark' : 'light',
   };
   if (state.region !== null) parts.region = String(state.region);
   if (state.seconds !== null) parts.t = state.seconds.toFixed(3);
@@ -36,7 +36,7 @@ export function fromHash(hash: string): Partial<ViewState> {
     const [px, py, pz, tx, ty, tz, zoom] = numbers;
     state.place = { position: [px, py, pz], target: [tx, ty, tz], zoom };
   }
-  if (parts.has('off')) state.off = parts.get('off')!.split(',').filter((name) => name !== '');
+  if (parts.has('switched')) state.switched = parts.get('switched')!.split(',').filter((name) => name !== '');
   if (parts.has('theme')) state.dark = parts.get('theme') === 'dark';
   for (const [key, name] of [['region', 'region'], ['t', 'seconds']] as const) {
     const value = Number(parts.get(key));

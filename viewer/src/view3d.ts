@@ -17,7 +17,11 @@ import { VoxelCloud } from './voxels';
 
 export const LAYERS = ['surfaces', 'outlines', 'edges', 'predicted', 'staircases', 'path', 'covariance', 'camera', 'voxels', 'grid', 'image', 'texture'] as const;
 export type Layer = (typeof LAYERS)[number];
-const OFF_AT_FIRST: Layer[] = ['texture'];
+const OFF_AT_FIRST: readonly Layer[] = ['texture'];
+
+export function isShownAtFirst(layer: Layer): boolean {
+  return !OFF_AT_FIRST.includes(layer);
+}
 
 /// Whether the processor draws: smooth edges would cost it more than all else.
 function drawsInSoftware(): boolean {
@@ -40,7 +44,7 @@ export class View3d {
   readonly voxels = new VoxelCloud();
   readonly inset = new Inset(() => this.invalidate());
   readonly cameras: Cameras;
-  readonly shown = new Map<Layer, boolean>(LAYERS.map((layer) => [layer, !OFF_AT_FIRST.includes(layer)]));
+  readonly shown = new Map<Layer, boolean>(LAYERS.map((layer) => [layer, isShownAtFirst(layer)]));
   onDrawn: () => void = () => {};
   private readonly detail = new Detail();
   private readonly scene = new Scene();
