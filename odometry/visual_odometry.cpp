@@ -22,6 +22,7 @@
 #include "odometry/vertical_monitor.h"
 #include "odometry/window.h"
 #include "odometry/window_optimizer.h"
+#include "odometry/witness.h"
 #include "odometry/world_frame.h"
 
 namespace terrace {
@@ -66,13 +67,19 @@ class VisualOdometry::Impl {
     const auto found = pose_finder_.Find(window_, left, right, expected);
     if (!found || !CanHaveMovedTo(found->solution.T_world_left, predicted.dt_s))
       return Unfound(frame, left, right, samples, predicted);
+    const Witness::Verdict verdict = Hear(expected, predicted, found->solution.T_world_left);
+    if (verdict == Witness::Verdict::kContradicts)
+      return expected.lost ? BeginWithout(predicted, frame, left, right, samples)
+                           : Contradicted(frame, predicted, found->solution.T_world_left);
 
     PoseEstimate pose = Tracked(frame, *found);
+    if (verdict == Witness::Verdict::kDriftsApart) Doubt(predicted, &pose);
     if (expected.lost) motion_.Lose();
     motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_.gravity());
     if (!expected.lost && motion_.ImuContradicts(pose, predicted))
       RefuseImu("the IMU turns otherwise than the images: check T_BS of the IMU, its units and its clock");
     if (!motion_.imu_in_use()) gravity_.FollowAttitude(samples, pose);
+    if (const auto warning = motion_.legs().TakeWarning()) warnings_.push_back(*warning);
     if (const auto warning = vertical_.Update(found->matches, found->solution)) warnings_.push_back(*warning);
     CountFates(*found, window_);
     NoteSightings(*found, window_, sightings_);
@@ -161,6 +168,7 @@ class VisualOdometry::Impl {
     window_ = {};
     archive_ = KeyframeArchive(camera_, config_.archived_keyframes);
     bridging_ = {};
+    witness_.Reset();
     own_covariance_.setZero();
     last_.reset();
     motion_.Restart();
@@ -244,6 +252,50 @@ class VisualOdometry::Impl {
     if (!motion_.imu_in_use()) return;
     motion_.Refine(newest);
     gravity_.Refine(down_world, optimizer_.gravity_sigma_rad());
+  }
+
+  /// What the sensor that has measured the motion says to what the images show. Who has contradicted until
+  /// all was lost does so still.
+  Witness::Verdict Hear(const Expectation& expected, const Motion& predicted,
+                        const Eigen::Isometry3d& T_world_found) {
+    if (expected.lost)
+      return witness_.contradicts() ? Witness::Verdict::kContradicts : Witness::Verdict::kAgrees;
+    if (!predicted.by_imu && !predicted.by_legs) return Witness::Verdict::kAgrees;
+    return witness_.Hear(StepBetween(expected.prior.T_world_left, T_world_found),
+                         bridging_.SearchCovariance(predicted), predicted.dt_s);
+  }
+
+  /// The images and the sensor exclude each other, and a thing that fills the view is likelier than a sensor
+  /// that fails just now: goes on by the sensor, uncertain by how far the two are apart.
+  PoseEstimate Contradicted(const StereoFrame& frame, const Motion& predicted,
+                            const Eigen::Isometry3d& T_world_found) {
+    PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted, Apart(predicted));
+    const Vector6d apart = StepBetween(pose.T_world_left, T_world_found);
+    pose.covariance += apart * apart.transpose();
+    return pose;
+  }
+
+  void Doubt(const Motion& predicted, PoseEstimate* pose) {
+    pose->reason = Apart(predicted);
+    pose->covariance += witness_.apart() * witness_.apart().transpose();
+    if (witness_.disagreed_s() < config_.max_bridging_s) return;
+    if (predicted.by_imu)
+      RefuseImu("the IMU moves otherwise than the images: check its units, T_BS and its clock");
+    else
+      motion_.legs().Refuse();
+    witness_.Reset();
+  }
+
+  static std::string Apart(const Motion& predicted) {
+    return std::string("the images show another motion than the ") + (predicted.by_imu ? "IMU" : "legs") +
+           ": something large moves through the view, or the sensor is wrong";
+  }
+
+  /// For too long the images and a sensor have excluded each other.
+  PoseEstimate BeginWithout(const Motion& predicted, const StereoFrame& frame, const ImagePyramid& left,
+                            const ImagePyramid& right, const SensorSamples& samples) {
+    if (predicted.by_legs) motion_.legs().Refuse();
+    return BeginAnew(frame, left, right, samples);
   }
 
   Expectation Expected(const StereoFrame& frame, const Motion& predicted) const {
@@ -340,6 +392,7 @@ class VisualOdometry::Impl {
       pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
       pose.covariance = known->covariance;
       pose.num_inliers = known->num_inliers;
+      witness_.Reset();
       Remember(pose);
     } else if (++num_strange_frames_ < kMaxStrangeFrames) {
       return pose;
@@ -388,6 +441,7 @@ class VisualOdometry::Impl {
   VerticalMonitor vertical_;
   ImuCheck imu_check_;
   Bridging bridging_;
+  Witness witness_;
 
   Window window_;
   Matrix6d keyframe_covariance_ = Matrix6d::Zero();  ///< of the newest keyframe against the first pose
