@@ -5,9 +5,19 @@
 #include <utility>
 
 #include "core/print.h"
-#include "odometry/covariance.h"
+#include "odometry/rotation.h"
 
 namespace terrace {
+namespace {
+
+constexpr double kMoving_m = 0.01;  // in a frame
+
+}  // namespace
+
+bool LegFollower::unproven() const {
+  constexpr int kProof = 15;  // frames
+  return said_m_ > kMoving_m && num_agreed_moving_ < kProof;
+}
 
 void LegFollower::Read(const std::vector<BodyPrior>& priors) {
   step_.reset();
@@ -34,13 +44,17 @@ void LegFollower::Read(const std::vector<BodyPrior>& priors) {
     }
     newest_ = prior;
   }
-  if (!can_be) step_.reset();
+  jumped_before_ = std::exchange(jumped_, !can_be);
+  if (jumped_) step_.reset();
 }
 
 bool LegFollower::CanBe(const BodyPrior& from, const BodyPrior& to) const {
-  constexpr double kSlack_m = 0.2;
-  const double step_m = (to.T_odom_body.translation() - from.T_odom_body.translation()).norm();
-  return step_m < kSlack_m + max_speed_mps_ * Seconds(to.t - from.t);
+  constexpr double kSlack_m = 0.2, kSlack_rad = 0.1;
+  constexpr double kMaxRate = 6.0;  // rad/s: no body on legs turns faster
+  const double dt_s = Seconds(to.t - from.t);
+  const Eigen::Isometry3d step = from.T_odom_body.inverse() * to.T_odom_body;
+  return step.translation().norm() < kSlack_m + max_speed_mps_ * dt_s &&
+         LogRotation(step.linear()).norm() < kSlack_rad + kMaxRate * dt_s;
 }
 
 void LegFollower::Compare(const Eigen::Isometry3d& T_before_body) {
@@ -51,13 +65,13 @@ void LegFollower::Compare(const Eigen::Isometry3d& T_before_body) {
     warning_ =
         Printed("leg odometry jumps by %.1f m from one frame to the next: such steps are left out", said_m_);
   CompareLengths(seen_m);
-  if (!refused_) return;
   constexpr int kEnough = 30;  // frames
-  constexpr double kAgree_m = 0.02, kAgreeShare = 0.2;
+  constexpr double kAgree_m = 0.01, kAgreeShare = 0.25;
   const bool agrees = step_ && (step_->T_odom_body.translation() - T_before_body.translation()).norm() <
                                    kAgree_m + kAgreeShare * seen_m;
   num_agreed_ = agrees ? num_agreed_ + 1 : 0;
-  if (num_agreed_ < kEnough) return;
+  if (agrees && said_m_ > kMoving_m) ++num_agreed_moving_;
+  if (!refused_ || num_agreed_ < kEnough) return;
   refused_ = false;
   warning_ = "leg odometry agrees with the images again and is used";
 }
@@ -66,6 +80,7 @@ void LegFollower::Compare(const Eigen::Isometry3d& T_before_body) {
 void LegFollower::CompareLengths(double seen_m) {
   constexpr double kEnough_m = 0.3;
   constexpr double kMostFactor = 1.5;
+  if (jumped_ && !jumped_before_) return;  // a jump, and no unit
   seen_path_m_ += seen_m;
   said_path_m_ += said_m_;
   if (seen_path_m_ < kEnough_m || length_told_) return;

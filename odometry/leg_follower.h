@@ -21,6 +21,9 @@ class LegFollower {
   /// be, or are not believed.
   std::optional<BodyPrior> step() const { return refused_ ? std::nullopt : step_; }
 
+  /// They move, and have not agreed with the images for long while moving.
+  bool unproven() const;
+
   /// The images have shown how far the body went meanwhile.
   void Compare(const Eigen::Isometry3d& T_before_body);
   /// From now on they are not believed, until they have agreed with the images for a while.
@@ -42,7 +45,10 @@ class LegFollower {
   // While the images showed where the body went.
   double seen_path_m_ = 0.0, said_path_m_ = 0.0;
   bool refused_ = false;
-  int num_agreed_ = 0;  ///< frames in a row
+  int num_agreed_ = 0;          ///< frames in a row
+  int num_agreed_moving_ = 0;   ///< frames, while something moved
+  bool jumped_ = false;         ///< since the last frame
+  bool jumped_before_ = false;  ///< likewise in the frame before
   bool jump_told_ = false, length_told_ = false;
   std::optional<std::string> warning_;
 };

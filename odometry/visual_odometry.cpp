@@ -68,23 +68,25 @@ class VisualOdometry::Impl {
     if (!found || !CanHaveMovedTo(found->solution.T_world_left, predicted.dt_s))
       return Unfound(frame, left, right, samples, predicted);
     const Witness::Verdict verdict = Hear(expected, predicted, found->solution.T_world_left);
-    if (verdict == Witness::Verdict::kContradicts)
+    const bool in_doubt = verdict != Witness::Verdict::kAgrees;
+    if (in_doubt && !WitnessIsWrong(verdict, predicted))
       return expected.lost ? BeginWithout(predicted, frame, left, right, samples)
                            : Contradicted(frame, predicted, found->solution.T_world_left);
 
     PoseEstimate pose = Tracked(frame, *found);
-    if (verdict == Witness::Verdict::kDriftsApart) Doubt(predicted, &pose);
+    if (in_doubt) Doubt(predicted, &pose);
     if (expected.lost) motion_.Lose();
     motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_.gravity());
     if (!expected.lost && motion_.ImuContradicts(pose, predicted))
       RefuseImu("the IMU turns otherwise than the images: check T_BS of the IMU, its units and its clock");
     if (!motion_.imu_in_use()) gravity_.FollowAttitude(samples, pose);
-    if (const auto warning = motion_.legs().TakeWarning()) warnings_.push_back(*warning);
+    for (const auto& warning : {motion_.legs().TakeWarning(), gravity_.TakeWarning()})
+      if (warning) warnings_.push_back(*warning);
     if (const auto warning = vertical_.Update(found->matches, found->solution)) warnings_.push_back(*warning);
     CountFates(*found, window_);
     NoteSightings(*found, window_, sightings_);
     const double age_s = Seconds(last_->t_capture - window_.keyframes.back().t_capture);
-    if (keyframe_policy_.Wants(window_, left, *found, motion_.imu_in_use(), age_s)) {
+    if (!in_doubt && keyframe_policy_.Wants(window_, left, *found, motion_.imu_in_use(), age_s)) {
       AddKeyframe(frame, left, right, pose.T_world_left, *found);
       RefineWindow(&pose);
     }
@@ -100,11 +102,14 @@ class VisualOdometry::Impl {
       pose.frame_id = frame_id;
       pose.t_capture = t_capture;
       pose.reason = reason;
+      pose.reason_code = ReasonCode::kUnreadableImages;
       return pose;
     }
     if (t_capture <= last_->t_capture) LoseTime(t_capture);
     Read(samples, t_capture);
-    return Bridged(frame_id, t_capture, Predict(t_capture), reason);
+    PoseEstimate pose = Bridged(frame_id, t_capture, Predict(t_capture), reason);
+    pose.reason_code = ReasonCode::kUnreadableImages;
+    return pose;
   }
 
   /// What is given out: with the epoch, and whether it may be mapped.
@@ -153,6 +158,7 @@ class VisualOdometry::Impl {
       window_ = {};
       pose.status = TrackingStatus::kLost;
       pose.reason = "too few features to start from";
+      pose.reason_code = ReasonCode::kFewFeatures;
       return pose;
     }
     pose.num_matches = pose.num_inliers = static_cast<int>(window_.landmarks.size());
@@ -176,9 +182,9 @@ class VisualOdometry::Impl {
   }
 
   /// A fresh prior, on the oldest keyframe of the window.
-  void StartWindow(const Matrix6d& pose_covariance) {
+  void StartWindow(const Matrix6d& pose_covariance, const ImuSigmas& imu = ImuSigmas::AtFirst()) {
     optimizer_ = WindowOptimizer(camera_, motion_.imu_in_use() ? mounting_.T_left_imu : std::nullopt);
-    optimizer_.Start(window_.keyframes.front(), pose_covariance / kCorrelation, gravity().sigma_rad);
+    optimizer_.Start(window_.keyframes.front(), pose_covariance / kCorrelation, gravity().sigma_rad, imu);
     keyframe_covariance_ = pose_covariance;
   }
 
@@ -231,6 +237,7 @@ class VisualOdometry::Impl {
 
   void RefuseImu(const std::string& why) {
     motion_.RefuseImu();
+    witness_.Reset();
     warnings_.push_back(why + "; the IMU is not used any more");
     gravity_.RefuseImu();
     StartWindow(keyframe_covariance_);
@@ -262,7 +269,24 @@ class VisualOdometry::Impl {
       return witness_.contradicts() ? Witness::Verdict::kContradicts : Witness::Verdict::kAgrees;
     if (!predicted.by_imu && !predicted.by_legs) return Witness::Verdict::kAgrees;
     return witness_.Hear(StepBetween(expected.prior.T_world_left, T_world_found),
-                         bridging_.SearchCovariance(predicted), predicted.dt_s);
+                         bridging_.ExpectedCovariance(predicted), predicted.dt_s);
+  }
+
+  /// What passes by hardly seems to turn the camera: then it is the IMU that is wrong. Legs slip a little
+  /// all the time, and as long as they have not walked in agreement they may be wrong altogether.
+  bool WitnessIsWrong(Witness::Verdict verdict, const Motion& predicted) {
+    if (predicted.by_imu) return witness_.turns_otherwise();
+    return verdict == Witness::Verdict::kDriftsApart || motion_.legs().unproven();
+  }
+
+  /// How well the IMU's state is known after bridging by it.
+  ImuSigmas BridgedImu() const {
+    if (!motion_.imu_in_use() || Lost()) return ImuSigmas::AtFirst();
+    constexpr double kLeast = 0.02;  // m/s: the steps between frames have correlated with the poses
+    ImuSigmas known = optimizer_.newest_imu_sigmas();
+    const double t = bridging_.bridged_s();
+    known.velocity += kLeast + (known.accel_bias + kGravityMagnitude * gravity().sigma_rad) * t;
+    return known;
   }
 
   /// The images and the sensor exclude each other, and a thing that fills the view is likelier than a sensor
@@ -270,6 +294,7 @@ class VisualOdometry::Impl {
   PoseEstimate Contradicted(const StereoFrame& frame, const Motion& predicted,
                             const Eigen::Isometry3d& T_world_found) {
     PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted, Apart(predicted));
+    pose.reason_code = ReasonCode::kAmbiguousMotion;
     const Vector6d apart = StepBetween(pose.T_world_left, T_world_found);
     pose.covariance += apart * apart.transpose();
     return pose;
@@ -277,6 +302,7 @@ class VisualOdometry::Impl {
 
   void Doubt(const Motion& predicted, PoseEstimate* pose) {
     pose->reason = Apart(predicted);
+    pose->reason_code = ReasonCode::kAmbiguousMotion;
     pose->covariance += witness_.apart() * witness_.apart().transpose();
     if (witness_.disagreed_s() < config_.max_bridging_s) return;
     if (predicted.by_imu)
@@ -327,6 +353,7 @@ class VisualOdometry::Impl {
     if (found.doubt) {
       own += *found.doubt;
       pose.reason = "another motion explains nearly as much: something large moves through the view";
+      pose.reason_code = ReasonCode::kAmbiguousMotion;
     }
     const bool bridged_before = last_->status != TrackingStatus::kTracking;
     pose.covariance_prev =
@@ -374,9 +401,12 @@ class VisualOdometry::Impl {
     PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted,
                                 pose_finder_.only_strangers() ? "only what moves through the view was found"
                                                               : "too few features found again");
+    pose.reason_code =
+        pose_finder_.only_strangers() ? ReasonCode::kAmbiguousMotion : ReasonCode::kNotFoundAgain;
     const std::vector<Landmark> landmarks = keyframe_maker_.Look(left, right, vertical_.vertical_px());
     if (static_cast<int>(landmarks.size()) < 2 * config_.min_inliers) {
       pose.reason = "the images show too few features";
+      pose.reason_code = ReasonCode::kFewFeatures;
       return pose;
     }
     for (const Keyframe& keyframe : window_.keyframes)
@@ -388,6 +418,7 @@ class VisualOdometry::Impl {
                        : bridging_.CanReach(known->T_world_left, pose.T_world_left))) {
       pose.status = TrackingStatus::kTracking;
       pose.reason.clear();
+      pose.reason_code = ReasonCode::kNone;
       pose.T_world_left = known->T_world_left;
       pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
       pose.covariance = known->covariance;
@@ -398,6 +429,8 @@ class VisualOdometry::Impl {
       return pose;
     }
     num_strange_frames_ = 0;
+    // Feet may slip: where they and the images have excluded each other, nobody knows.
+    if (!lost && predicted.by_legs && witness_.contradicts()) return pose;
     if (lost && pose.status != TrackingStatus::kTracking) return BeginAnew(frame, left, right, samples);
     const KeyframeState biases = window_.keyframes.back();
     window_ = {};
@@ -405,7 +438,7 @@ class VisualOdometry::Impl {
     window_.keyframes.back().gyro_bias = biases.gyro_bias;
     window_.keyframes.back().accel_bias = biases.accel_bias;
     window_.keyframes.back().velocity_world = motion_.imu_velocity_world();
-    StartWindow(pose.covariance);
+    StartWindow(pose.covariance, BridgedImu());
     return pose;
   }
 

@@ -27,14 +27,18 @@ class Witness {
   /// For how long it has contradicted or drifted apart without agreeing in between.
   double disagreed_s() const { return disagreed_s_; }
   bool contradicts() const { return contradicts_; }
-  /// By how much the two have come apart over the last second.
-  const Vector6d& apart() const { return apart_; }
+  /// It contradicts in the rotation. Things that pass by seem to move the camera, but hardly to turn it.
+  bool turns_otherwise() const { return turns_otherwise_; }
+  /// By how much the two have come apart over the last second; while it contradicts, in this frame.
+  const Vector6d& apart() const { return contradicts_ ? error_ : apart_; }
 
  private:
+  Vector6d error_ = Vector6d::Zero();
   Vector6d apart_ = Vector6d::Zero();
   Matrix6d apart_covariance_ = Matrix6d::Zero();
   double disagreed_s_ = 0.0;
   bool contradicts_ = false;
+  bool turns_otherwise_ = false;
   int num_agreed_ = 0;
 };
 

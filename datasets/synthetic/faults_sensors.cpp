@@ -16,7 +16,7 @@ namespace {
 using Edit = std::function<void(ImuSample& sample, double strength)>;
 using Apply = std::function<void(FaultyRecording&, const FaultSpan&, double)>;
 
-constexpr double kGravity = 9.81;
+constexpr double kOneG = 9.81;
 
 std::chrono::nanoseconds Milliseconds(double ms) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(std::llround(1e6 * ms)));
@@ -96,7 +96,7 @@ void Freeze(std::vector<RecordedPrior>& priors, const FaultSpan& span) {
 std::vector<Fault> ImuFaults() {
   return {
       {"imu_in_g", "the accelerometer measures in g", 1,
-       Always([](ImuSample& s, double) { s.accel /= kGravity; })},
+       Always([](ImuSample& s, double) { s.accel /= kOneG; })},
       {"imu_turned", "the accelerometer's sign is turned", 1,
        Always([](ImuSample& s, double) { s.accel *= -1; })},
       {"imu_silent", "accelerometer and gyroscope say zero", 1,

@@ -113,11 +113,13 @@ void WriteTrueTimes(const FaultyRecording& recording, const fs::path& file) {
     const std::optional<double> t_s = ParseDouble(truth.cells()[0]);
     std::string pose;
     for (std::size_t i = 1; i < 8; ++i) pose += " " + std::string(truth.cells()[i]);
-    if (t_s) poses[std::llround(*t_s * 1e6)] = pose;
+    if (t_s) poses[std::llround(*t_s * 1e9)] = pose;
   }
   for (const RecordedImage& image : recording.left) {
-    const auto pose = poses.find(std::llround(1e-3 * static_cast<double>(image.t_true.ns)));
-    if (pose == poses.end()) continue;
+    // Seconds since 1970 as a number are good to a quarter of a microsecond.
+    constexpr std::int64_t kRounding_ns = 1000;
+    const auto pose = poses.lower_bound(image.t_true.ns - kRounding_ns);
+    if (pose == poses.end() || pose->first > image.t_true.ns + kRounding_ns) continue;
     lines[image.t.ns] = Printed("%lld.%09lld", static_cast<long long>(image.t.ns / 1'000'000'000),
                                 static_cast<long long>(image.t.ns % 1'000'000'000)) +
                         pose->second + "\n";
