@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/file_bytes.h"
+#include "core/print.h"
 #include "datasets/ground_truth.h"
 #include "evaluation/disparity_picture.h"
 
@@ -94,6 +95,21 @@ std::optional<DisparityEvaluation> EvaluateDisparities(const ReplayResult& resul
   return evaluation;
 }
 
+/// Poses of different worlds have nothing to do with each other: those of each world, the first one first.
+std::vector<std::vector<PosePair>> ByEpoch(const std::vector<PosePair>& pairs,
+                                           const std::vector<ResultFrame>& frames) {
+  std::map<Timestamp, int> epochs;
+  for (const ResultFrame& frame : frames) epochs[frame.t_capture] = frame.epoch;
+  std::map<int, std::vector<PosePair>> sorted;
+  for (const PosePair& pair : pairs) {
+    const auto epoch = epochs.find(pair.t);
+    sorted[epoch == epochs.end() ? 0 : epoch->second].push_back(pair);
+  }
+  std::vector<std::vector<PosePair>> all;
+  for (auto& [epoch, of_epoch] : sorted) all.push_back(std::move(of_epoch));
+  return all;
+}
+
 }  // namespace
 
 Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequence,
@@ -116,10 +132,18 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
   if (HasTrueTrajectory(sequence)) {
     true_left = TrueLeftPoses(LoadTrueTrajectory(sequence), result.camera);
     pairs = MatchPoses(result.trajectory, true_left);
+    const std::vector<std::vector<PosePair>> worlds = ByEpoch(pairs, result.frames);
+    if (worlds.size() > 1) {
+      const auto shorter = [](const auto& a, const auto& b) { return a.size() < b.size(); };
+      evaluation.notes.push_back(Printed(
+          "%zu worlds: the trajectory is that of the longest, the map the last one's", worlds.size()));
+      pairs = *std::max_element(worlds.begin(), worlds.end(), shorter);
+    }
     evaluation.trajectory =
         EvaluateTrajectory(pairs, result.frames, static_cast<std::int64_t>(true_left.size()),
                            result.stats.frames + result.stats.dropped);
     if (pairs.empty()) evaluation.notes.push_back("trajectory: no pose has a true one within 2 ms");
+    if (!worlds.empty()) pairs = worlds.back();
   } else {
     evaluation.notes.push_back("trajectory: the sequence has no true poses");
   }

@@ -15,6 +15,7 @@ void Bridging::See(const PoseEstimate& pose) {
   bridged_s_ = 0.0;
   num_steps_ = 0;
   covariance_.setZero();
+  drift_.setZero();
 }
 
 PoseEstimate Bridging::Extend(const PoseEstimate& last, const Motion& predicted,
@@ -25,10 +26,12 @@ PoseEstimate Bridging::Extend(const PoseEstimate& last, const Motion& predicted,
   pose.T_prev_left = predicted.T_last_left;
   if (predicted.by_legs) {
     pose.covariance_prev = predicted.covariance;
+    drift_ = TransportCovariance(predicted.T_last_left, drift_) + predicted.covariance;
     pose.covariance = TransportCovariance(predicted.T_last_left, last.covariance) + predicted.covariance;
   } else {
     // An error of the velocity goes on: it grows with the time, not with its root.
     const Matrix6d drift = drift_after(bridged_s_);
+    drift_ = drift;
     const Matrix6d before = drift_after(bridged_s_ - predicted.dt_s);
     pose.covariance =
         TransportCovariance(T_world_seen_.inverse() * pose.T_world_left, seen_covariance_) + drift;
@@ -56,6 +59,10 @@ bool Bridging::CanReach(const Eigen::Isometry3d& T_world_left,
   // What one step is wrong by, the next one is wrong by, too: errors add up, not their squares.
   const Matrix6d whole = num_steps_ * covariance_;
   return Chi2(StepBetween(bridged_T_world_left, T_world_left), whole) < kMaxChi2;
+}
+
+Matrix6d Bridging::ExpectedCovariance(const Motion& predicted) const {
+  return TransportCovariance(predicted.T_last_left, drift_) + predicted.covariance;
 }
 
 Matrix6d Bridging::SearchCovariance(const Motion& predicted) const {

@@ -31,6 +31,9 @@ class Bridging {
   /// How far off at the worst, after one more step: how far to search.
   Matrix6d SearchCovariance(const Motion& predicted) const;
 
+  /// The same as a rule: what contradicts it is another motion.
+  Matrix6d ExpectedCovariance(const Motion& predicted) const;
+
   double bridged_s() const { return bridged_s_; }
   const Eigen::Isometry3d& T_world_seen() const { return T_world_seen_; }
 
@@ -40,6 +43,7 @@ class Bridging {
   double bridged_s_ = 0.0;                                          ///< since
   int num_steps_ = 0;                                               ///< since
   Matrix6d covariance_ = Matrix6d::Zero();  ///< of the last pose against that, at the worst
+  Matrix6d drift_ = Matrix6d::Zero();       ///< the same, as a rule
 };
 
 }  // namespace terrace

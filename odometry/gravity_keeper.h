@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+#include <string>
+#include <utility>
+
 #include <Eigen/Core>
 
 #include "core/pose_estimate.h"
@@ -41,11 +45,20 @@ class GravityKeeper {
   /// The robot's own attitude, at a tracked frame.
   void FollowAttitude(const SensorSamples& samples, const PoseEstimate& pose);
 
+  /// What the user should be told, once each; none: nothing new.
+  std::optional<std::string> TakeWarning() { return std::exchange(warning_, std::nullopt); }
+
  private:
+  bool Believes(const Eigen::Vector3d& down_world, double sigma_rad);
+
   OdometryConfig config_;
   Mounting mounting_;
   Gravity gravity_;
   Gravity without_imu_;
+  int num_contradictions_ = 0;  ///< readings of the attitude that cannot be, less those that can
+  bool attitude_refused_ = false;
+  bool from_legs_ = false;  ///< the attitude is what the legs say: planes may know better
+  std::optional<std::string> warning_;
 };
 
 }  // namespace terrace

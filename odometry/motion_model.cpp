@@ -29,7 +29,7 @@ Matrix6d DiagonalCovariance(double rotation_sigma, double translation_sigma) {
 void MotionModel::Read(const SensorSamples& samples, const std::optional<PoseEstimate>& last,
                        Timestamp t_capture, const KeyframeState& biases) {
   IntegrateImu(samples, last, t_capture, biases);
-  FollowLegs(samples);
+  if (config_.use_priors && mounting_.T_body_left) legs_.Read(samples.priors);
 }
 
 Motion MotionModel::Predict(const PoseEstimate& last, Timestamp t_capture, const KeyframeState& biases,
@@ -43,19 +43,20 @@ Motion MotionModel::Predict(const PoseEstimate& last, Timestamp t_capture, const
     T_world_imu.translation() = predicted.p_world;
     motion.T_last_left = Chained(last.T_world_left.inverse() * T_world_imu, mounting_.T_left_imu->inverse());
     motion.velocity_world = predicted.v_world;
+    motion.by_imu = true;
     const double fall_m = 0.5 * kGravityMagnitude * gravity.sigma_rad * motion.dt_s * motion.dt_s;
     motion.covariance = DiagonalCovariance(kGyroRotationSigma * motion.dt_s + 0.001,
                                            imu_velocity_sigma_ * motion.dt_s + fall_m + 0.001);
     return motion;
   }
-  if (leg_motion_) {
+  if (const std::optional<BodyPrior> step = legs_.step()) {
     motion.T_last_left =
-        Chained(mounting_.T_body_left->inverse() * leg_motion_->T_odom_body, *mounting_.T_body_left);
+        Chained(mounting_.T_body_left->inverse() * step->T_odom_body, *mounting_.T_body_left);
     motion.velocity_world = imu_velocity_world_;
     motion.by_legs = true;
     constexpr double kLegRotationSigma = 0.01;
     constexpr double kLegTranslationSigma = 0.005;
-    motion.covariance = TransportCovariance(*mounting_.T_body_left, leg_motion_->covariance) +
+    motion.covariance = TransportCovariance(*mounting_.T_body_left, step->covariance) +
                         DiagonalCovariance(kLegRotationSigma, kLegTranslationSigma);
     return motion;
   }
@@ -103,6 +104,8 @@ Matrix6d MotionModel::DriftCovariance(double bridged_s, const ImuSigmas& known,
 void MotionModel::Correct(const PoseEstimate& last, const PoseEstimate& pose, const Motion& predicted,
                           const KeyframeState& biases, const Gravity& gravity) {
   CorrectImuVelocity(last, pose, predicted, biases, gravity);
+  if (mounting_.T_body_left && last.status == TrackingStatus::kTracking)
+    legs_.Compare(*mounting_.T_body_left * pose.T_prev_left * mounting_.T_body_left->inverse());
   // After bridging, the step from the last pose is mostly the error of the bridge.
   if (predicted.dt_s <= 0.0 || last.status != TrackingStatus::kTracking) return;
   constexpr double kMeanOver_s = 0.7;
@@ -135,8 +138,7 @@ void MotionModel::Restart() {
   imu_in_use_ = false;
   imu_since_last_.reset();
   imu_since_keyframe_.reset();
-  newest_leg_.reset();
-  leg_motion_.reset();
+  legs_.Restart();
 }
 
 void MotionModel::FillKeyframe(const KeyframeState& before, Keyframe& keyframe) const {
@@ -197,27 +199,6 @@ void MotionModel::IntegrateImu(const SensorSamples& samples, const std::optional
   if (newest_sample_) AddUntil(*newest_sample_, t_capture);
   if (samples.imu.empty()) imu_gapless_ = false;
   if (!imu_gapless_ && last) keyframe_imu_gapless_ = false;
-}
-
-/// How the legs say that the body moved since the last frame: relative motion, the pose itself means
-/// nothing.
-void MotionModel::FollowLegs(const SensorSamples& samples) {
-  leg_motion_.reset();
-  if (!config_.use_priors || !mounting_.T_body_left) return;
-  for (const BodyPrior& prior : samples.priors) {
-    if (prior.kind != PriorKind::kLegOdometry) continue;
-    if (newest_leg_) {
-      const Eigen::Isometry3d step = newest_leg_->T_odom_body.inverse() * prior.T_odom_body;
-      if (!leg_motion_) {
-        leg_motion_ = prior;
-        leg_motion_->T_odom_body = step;
-      } else {
-        leg_motion_->T_odom_body = leg_motion_->T_odom_body * step;
-      }
-      leg_motion_->covariance = prior.covariance;
-    }
-    newest_leg_ = prior;
-  }
 }
 
 /// Velocity of the IMU at a tracked frame: what it was predicted to be, drawn towards what the images saw.

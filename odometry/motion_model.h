@@ -10,6 +10,7 @@
 #include "core/pose_estimate.h"
 #include "core/sensor_frame.h"
 #include "odometry/imu_preintegration.h"
+#include "odometry/leg_follower.h"
 #include "odometry/odometry_config.h"
 #include "odometry/window.h"
 #include "odometry/window_optimizer.h"
@@ -24,13 +25,14 @@ struct Motion {
   Matrix6d covariance = Matrix6d::Zero();
   Eigen::Vector3d velocity_world = Eigen::Vector3d::Zero();  ///< of the IMU, then
   bool by_legs = false;
+  bool by_imu = false;
 };
 
 /// How the camera moves while nobody looks: by the IMU, else by the legs, else as it has moved so far.
 class MotionModel {
  public:
   MotionModel(const OdometryConfig& config, const Mounting& mounting)
-      : config_(config), mounting_(mounting) {}
+      : config_(config), mounting_(mounting), legs_(config.max_speed_mps) {}
 
   /// Takes in what the sensors said since the last pose.
   /// @param last  none: the world begins at t_capture
@@ -74,10 +76,11 @@ class MotionModel {
   bool imu_refused() const { return imu_refused_; }
   const Eigen::Vector3d& imu_velocity_world() const { return imu_velocity_world_; }
 
+  LegFollower& legs() { return legs_; }
+
  private:
   void IntegrateImu(const SensorSamples& samples, const std::optional<PoseEstimate>& last,
                     Timestamp t_capture, const KeyframeState& biases);
-  void FollowLegs(const SensorSamples& samples);
   void CorrectImuVelocity(const PoseEstimate& last, const PoseEstimate& pose, const Motion& predicted,
                           const KeyframeState& biases, const Gravity& gravity);
   ImuState ImuAt(const Eigen::Isometry3d& T_world_left, const KeyframeState& biases) const;
@@ -101,8 +104,7 @@ class MotionModel {
   Eigen::Vector3d imu_velocity_world_ = Eigen::Vector3d::Zero();
   double imu_velocity_sigma_ = 1.0;  ///< m/s
 
-  std::optional<BodyPrior> newest_leg_;
-  std::optional<BodyPrior> leg_motion_;  ///< since the last frame
+  LegFollower legs_;
 };
 
 }  // namespace terrace

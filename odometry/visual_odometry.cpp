@@ -22,6 +22,7 @@
 #include "odometry/vertical_monitor.h"
 #include "odometry/window.h"
 #include "odometry/window_optimizer.h"
+#include "odometry/witness.h"
 #include "odometry/world_frame.h"
 
 namespace terrace {
@@ -66,18 +67,26 @@ class VisualOdometry::Impl {
     const auto found = pose_finder_.Find(window_, left, right, expected);
     if (!found || !CanHaveMovedTo(found->solution.T_world_left, predicted.dt_s))
       return Unfound(frame, left, right, samples, predicted);
+    const Witness::Verdict verdict = Hear(expected, predicted, found->solution.T_world_left);
+    const bool in_doubt = verdict != Witness::Verdict::kAgrees;
+    if (in_doubt && !WitnessIsWrong(verdict, predicted))
+      return expected.lost ? BeginWithout(predicted, frame, left, right, samples)
+                           : Contradicted(frame, predicted, found->solution.T_world_left);
 
     PoseEstimate pose = Tracked(frame, *found);
+    if (in_doubt) Doubt(predicted, &pose);
     if (expected.lost) motion_.Lose();
     motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_.gravity());
     if (!expected.lost && motion_.ImuContradicts(pose, predicted))
       RefuseImu("the IMU turns otherwise than the images: check T_BS of the IMU, its units and its clock");
     if (!motion_.imu_in_use()) gravity_.FollowAttitude(samples, pose);
+    for (const auto& warning : {motion_.legs().TakeWarning(), gravity_.TakeWarning()})
+      if (warning) warnings_.push_back(*warning);
     if (const auto warning = vertical_.Update(found->matches, found->solution)) warnings_.push_back(*warning);
     CountFates(*found, window_);
     NoteSightings(*found, window_, sightings_);
     const double age_s = Seconds(last_->t_capture - window_.keyframes.back().t_capture);
-    if (keyframe_policy_.Wants(window_, left, *found, motion_.imu_in_use(), age_s)) {
+    if (!in_doubt && keyframe_policy_.Wants(window_, left, *found, motion_.imu_in_use(), age_s)) {
       AddKeyframe(frame, left, right, pose.T_world_left, *found);
       RefineWindow(&pose);
     }
@@ -93,11 +102,14 @@ class VisualOdometry::Impl {
       pose.frame_id = frame_id;
       pose.t_capture = t_capture;
       pose.reason = reason;
+      pose.reason_code = ReasonCode::kUnreadableImages;
       return pose;
     }
     if (t_capture <= last_->t_capture) LoseTime(t_capture);
     Read(samples, t_capture);
-    return Bridged(frame_id, t_capture, Predict(t_capture), reason);
+    PoseEstimate pose = Bridged(frame_id, t_capture, Predict(t_capture), reason);
+    pose.reason_code = ReasonCode::kUnreadableImages;
+    return pose;
   }
 
   /// What is given out: with the epoch, and whether it may be mapped.
@@ -146,6 +158,7 @@ class VisualOdometry::Impl {
       window_ = {};
       pose.status = TrackingStatus::kLost;
       pose.reason = "too few features to start from";
+      pose.reason_code = ReasonCode::kFewFeatures;
       return pose;
     }
     pose.num_matches = pose.num_inliers = static_cast<int>(window_.landmarks.size());
@@ -161,6 +174,7 @@ class VisualOdometry::Impl {
     window_ = {};
     archive_ = KeyframeArchive(camera_, config_.archived_keyframes);
     bridging_ = {};
+    witness_.Reset();
     own_covariance_.setZero();
     last_.reset();
     motion_.Restart();
@@ -168,9 +182,9 @@ class VisualOdometry::Impl {
   }
 
   /// A fresh prior, on the oldest keyframe of the window.
-  void StartWindow(const Matrix6d& pose_covariance) {
+  void StartWindow(const Matrix6d& pose_covariance, const ImuSigmas& imu = ImuSigmas::AtFirst()) {
     optimizer_ = WindowOptimizer(camera_, motion_.imu_in_use() ? mounting_.T_left_imu : std::nullopt);
-    optimizer_.Start(window_.keyframes.front(), pose_covariance / kCorrelation, gravity().sigma_rad);
+    optimizer_.Start(window_.keyframes.front(), pose_covariance / kCorrelation, gravity().sigma_rad, imu);
     keyframe_covariance_ = pose_covariance;
   }
 
@@ -223,6 +237,7 @@ class VisualOdometry::Impl {
 
   void RefuseImu(const std::string& why) {
     motion_.RefuseImu();
+    witness_.Reset();
     warnings_.push_back(why + "; the IMU is not used any more");
     gravity_.RefuseImu();
     StartWindow(keyframe_covariance_);
@@ -244,6 +259,69 @@ class VisualOdometry::Impl {
     if (!motion_.imu_in_use()) return;
     motion_.Refine(newest);
     gravity_.Refine(down_world, optimizer_.gravity_sigma_rad());
+  }
+
+  /// What the sensor that has measured the motion says to what the images show. Who has contradicted until
+  /// all was lost does so still.
+  Witness::Verdict Hear(const Expectation& expected, const Motion& predicted,
+                        const Eigen::Isometry3d& T_world_found) {
+    if (expected.lost)
+      return witness_.contradicts() ? Witness::Verdict::kContradicts : Witness::Verdict::kAgrees;
+    if (!predicted.by_imu && !predicted.by_legs) return Witness::Verdict::kAgrees;
+    return witness_.Hear(StepBetween(expected.prior.T_world_left, T_world_found),
+                         bridging_.ExpectedCovariance(predicted), predicted.dt_s);
+  }
+
+  /// What passes by hardly seems to turn the camera: then it is the IMU that is wrong. Legs slip a little
+  /// all the time, and as long as they have not walked in agreement they may be wrong altogether.
+  bool WitnessIsWrong(Witness::Verdict verdict, const Motion& predicted) {
+    if (predicted.by_imu) return witness_.turns_otherwise();
+    return verdict == Witness::Verdict::kDriftsApart || motion_.legs().unproven();
+  }
+
+  /// How well the IMU's state is known after bridging by it.
+  ImuSigmas BridgedImu() const {
+    if (!motion_.imu_in_use() || Lost()) return ImuSigmas::AtFirst();
+    constexpr double kLeast = 0.02;  // m/s: the steps between frames have correlated with the poses
+    ImuSigmas known = optimizer_.newest_imu_sigmas();
+    const double t = bridging_.bridged_s();
+    known.velocity += kLeast + (known.accel_bias + kGravityMagnitude * gravity().sigma_rad) * t;
+    return known;
+  }
+
+  /// The images and the sensor exclude each other, and a thing that fills the view is likelier than a sensor
+  /// that fails just now: goes on by the sensor, uncertain by how far the two are apart.
+  PoseEstimate Contradicted(const StereoFrame& frame, const Motion& predicted,
+                            const Eigen::Isometry3d& T_world_found) {
+    PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted, Apart(predicted));
+    pose.reason_code = ReasonCode::kAmbiguousMotion;
+    const Vector6d apart = StepBetween(pose.T_world_left, T_world_found);
+    pose.covariance += apart * apart.transpose();
+    return pose;
+  }
+
+  void Doubt(const Motion& predicted, PoseEstimate* pose) {
+    pose->reason = Apart(predicted);
+    pose->reason_code = ReasonCode::kAmbiguousMotion;
+    pose->covariance += witness_.apart() * witness_.apart().transpose();
+    if (witness_.disagreed_s() < config_.max_bridging_s) return;
+    if (predicted.by_imu)
+      RefuseImu("the IMU moves otherwise than the images: check its units, T_BS and its clock");
+    else
+      motion_.legs().Refuse();
+    witness_.Reset();
+  }
+
+  static std::string Apart(const Motion& predicted) {
+    return std::string("the images show another motion than the ") + (predicted.by_imu ? "IMU" : "legs") +
+           ": something large moves through the view, or the sensor is wrong";
+  }
+
+  /// For too long the images and a sensor have excluded each other.
+  PoseEstimate BeginWithout(const Motion& predicted, const StereoFrame& frame, const ImagePyramid& left,
+                            const ImagePyramid& right, const SensorSamples& samples) {
+    if (predicted.by_legs) motion_.legs().Refuse();
+    return BeginAnew(frame, left, right, samples);
   }
 
   Expectation Expected(const StereoFrame& frame, const Motion& predicted) const {
@@ -275,6 +353,7 @@ class VisualOdometry::Impl {
     if (found.doubt) {
       own += *found.doubt;
       pose.reason = "another motion explains nearly as much: something large moves through the view";
+      pose.reason_code = ReasonCode::kAmbiguousMotion;
     }
     const bool bridged_before = last_->status != TrackingStatus::kTracking;
     pose.covariance_prev =
@@ -322,9 +401,12 @@ class VisualOdometry::Impl {
     PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted,
                                 pose_finder_.only_strangers() ? "only what moves through the view was found"
                                                               : "too few features found again");
+    pose.reason_code =
+        pose_finder_.only_strangers() ? ReasonCode::kAmbiguousMotion : ReasonCode::kNotFoundAgain;
     const std::vector<Landmark> landmarks = keyframe_maker_.Look(left, right, vertical_.vertical_px());
     if (static_cast<int>(landmarks.size()) < 2 * config_.min_inliers) {
       pose.reason = "the images show too few features";
+      pose.reason_code = ReasonCode::kFewFeatures;
       return pose;
     }
     for (const Keyframe& keyframe : window_.keyframes)
@@ -336,15 +418,19 @@ class VisualOdometry::Impl {
                        : bridging_.CanReach(known->T_world_left, pose.T_world_left))) {
       pose.status = TrackingStatus::kTracking;
       pose.reason.clear();
+      pose.reason_code = ReasonCode::kNone;
       pose.T_world_left = known->T_world_left;
       pose.T_prev_left = last_->T_world_left.inverse() * pose.T_world_left;
       pose.covariance = known->covariance;
       pose.num_inliers = known->num_inliers;
+      witness_.Reset();
       Remember(pose);
     } else if (++num_strange_frames_ < kMaxStrangeFrames) {
       return pose;
     }
     num_strange_frames_ = 0;
+    // Feet may slip: where they and the images have excluded each other, nobody knows.
+    if (!lost && predicted.by_legs && witness_.contradicts()) return pose;
     if (lost && pose.status != TrackingStatus::kTracking) return BeginAnew(frame, left, right, samples);
     const KeyframeState biases = window_.keyframes.back();
     window_ = {};
@@ -352,7 +438,7 @@ class VisualOdometry::Impl {
     window_.keyframes.back().gyro_bias = biases.gyro_bias;
     window_.keyframes.back().accel_bias = biases.accel_bias;
     window_.keyframes.back().velocity_world = motion_.imu_velocity_world();
-    StartWindow(pose.covariance);
+    StartWindow(pose.covariance, BridgedImu());
     return pose;
   }
 
@@ -388,6 +474,7 @@ class VisualOdometry::Impl {
   VerticalMonitor vertical_;
   ImuCheck imu_check_;
   Bridging bridging_;
+  Witness witness_;
 
   Window window_;
   Matrix6d keyframe_covariance_ = Matrix6d::Zero();  ///< of the newest keyframe against the first pose

@@ -15,10 +15,6 @@ namespace {
 
 /// Half-way point of the Cauchy weights.
 constexpr double kSoftChi2 = 6.0;
-/// Before the first measurement: m/s, rad/s, m/s^2.
-constexpr double kVelocitySigma = 1.0;
-constexpr double kGyroBiasSigma = 0.02;
-constexpr double kAccelBiasSigma = 0.15;
 /// The first pose defines the world; a number keeps the matrix invertible.
 constexpr double kFirstPoseSigma = 1e-5;
 
@@ -68,8 +64,8 @@ WindowOptimizer::WindowOptimizer(const StereoCamera& camera,
   }
 }
 
-void WindowOptimizer::Start(const Keyframe& first, const Matrix6d& pose_covariance,
-                            double gravity_sigma_rad) {
+void WindowOptimizer::Start(const Keyframe& first, const Matrix6d& pose_covariance, double gravity_sigma_rad,
+                            const ImuSigmas& imu) {
   const int n = Dimension(1);
   prior_H_ = Eigen::MatrixXd::Zero(n, n);
   prior_g_ = Eigen::VectorXd::Zero(n);
@@ -77,14 +73,14 @@ void WindowOptimizer::Start(const Keyframe& first, const Matrix6d& pose_covarian
   covariance.diagonal().array() += kFirstPoseSigma * kFirstPoseSigma;
   prior_H_.topLeftCorner<6, 6>() = Inverse(covariance);
   if (T_left_imu_) {
-    prior_H_.diagonal().segment<3>(6).setConstant(1.0 / (kVelocitySigma * kVelocitySigma));
-    prior_H_.diagonal().segment<3>(9).setConstant(1.0 / (kGyroBiasSigma * kGyroBiasSigma));
-    prior_H_.diagonal().segment<3>(12).setConstant(1.0 / (kAccelBiasSigma * kAccelBiasSigma));
+    prior_H_.diagonal().segment<3>(6).setConstant(1.0 / (imu.velocity * imu.velocity));
+    prior_H_.diagonal().segment<3>(9).setConstant(1.0 / (imu.gyro_bias * imu.gyro_bias));
+    prior_H_.diagonal().segment<3>(12).setConstant(1.0 / (imu.accel_bias * imu.accel_bias));
     prior_H_.diagonal().tail<2>().setConstant(1.0 / (gravity_sigma_rad * gravity_sigma_rad));
   }
   prior_states_ = {first};
   newest_covariance_ = pose_covariance;
-  if (T_left_imu_) newest_imu_sigmas_ = {kVelocitySigma, kGyroBiasSigma, kAccelBiasSigma};
+  if (T_left_imu_) newest_imu_sigmas_ = imu;
   gravity_sigma_rad_ = gravity_sigma_rad;
 }
 

@@ -18,6 +18,9 @@ struct ImuSigmas {
   double velocity = 0.0;    ///< m/s
   double gyro_bias = 0.0;   ///< rad/s
   double accel_bias = 0.0;  ///< m/s^2
+
+  /// Of an IMU whose images begin just now.
+  static ImuSigmas AtFirst() { return {1.0, 0.02, 0.15}; }
 };
 
 /// Refines the keyframes and landmarks of a window together: Levenberg-Marquardt over reprojection in both
@@ -31,7 +34,9 @@ class WindowOptimizer {
   WindowOptimizer(const StereoCamera& camera, const std::optional<Eigen::Isometry3d>& T_left_imu);
 
   /// Starts anew with one keyframe that is known this well. Forgets all others.
-  void Start(const Keyframe& first, const Matrix6d& pose_covariance, double gravity_sigma_rad);
+  /// @param imu  how well what the keyframe says of an IMU is known
+  void Start(const Keyframe& first, const Matrix6d& pose_covariance, double gravity_sigma_rad,
+             const ImuSigmas& imu = ImuSigmas::AtFirst());
 
   /// Refines everything in the window and the direction of gravity.
   /// @param noise_scale  variance of residuals over what the measurements claim

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 namespace terrace {
 namespace {
@@ -15,6 +16,8 @@ constexpr double kUprightRad = 15.0 * M_PI / 180.0;
 /// How well each source knows up, before anything refines it.
 constexpr double kMountingSigmaRad = 2.0 * M_PI / 180.0;
 constexpr double kAssumedSigmaRad = 15.0 * M_PI / 180.0;
+/// Of the roll and pitch of leg odometry, at best.
+constexpr double kLegSigmaRad = 1.0 * M_PI / 180.0;
 /// A walking robot's accelerations, over the gravity they lean against.
 constexpr double kAccelerationSigma = 0.5;
 constexpr double kGravity = 9.81;
@@ -38,6 +41,13 @@ bool FoundUpright(const SensorSamples& samples) {
     if (prior.T_odom_body.linear()(2, 2) >= std::cos(kUprightRad)) return true;
   }
   return false;
+}
+
+/// Whose roll and pitch are worth less first.
+std::vector<BodyPrior> InOrderOfTrust(std::vector<BodyPrior> priors) {
+  std::stable_partition(priors.begin(), priors.end(),
+                        [](const BodyPrior& prior) { return prior.kind == PriorKind::kLegOdometry; });
+  return priors;
 }
 
 /// The body, unless it is taken for the axes of a sensor; why, if that is worth a warning.
@@ -73,13 +83,14 @@ WorldFrame LayWorldFrame(const OdometryConfig& config, const Mounting& mounting,
     world.gravity.sigma_rad = kMountingSigmaRad;
   }
   if (config.use_priors && mounting.T_body_left) {
-    for (const BodyPrior& prior : samples.priors) {
-      if (prior.kind != PriorKind::kAttitude) continue;
+    for (const BodyPrior& prior : InOrderOfTrust(samples.priors)) {
       const Eigen::Vector3d up_body = prior.T_odom_body.linear().transpose() * Eigen::Vector3d::UnitZ();
       up_left = mounting.T_body_left->linear().transpose() * up_body;
       world.gravity.source = GravitySource::kAttitude;
       world.gravity.sigma_rad =
           std::sqrt(std::max(prior.covariance(0, 0) + prior.covariance(1, 1), 1e-8) / 2.0);
+      if (prior.kind == PriorKind::kLegOdometry)
+        world.gravity.sigma_rad = std::max(world.gravity.sigma_rad, kLegSigmaRad);
     }
   }
   world.without_imu = world.gravity;

@@ -9,7 +9,9 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include "core/file_bytes.h"
 #include "datasets/synthetic/family.h"
+#include "datasets/synthetic/fault.h"
 #include "datasets/synthetic/scene_file.h"
 #include "datasets/synthetic/synthesis.h"
 #include "tools/commands.h"
@@ -25,6 +27,8 @@ struct Options {
   std::string motion;
   synthetic::SynthesisConfig config;
   bool overwrite = false;
+  std::string fault;
+  bool list_faults = false;
 };
 
 /// Makes the folder ready: absent or empty, or rid of what an earlier run left.
@@ -60,7 +64,33 @@ synthetic::Scene SceneOf(const Options& options) {
   }
 }
 
-void Run(const Options& options) {
+bool IsRecording(const fs::path& path) { return fs::is_directory(path / "mav0"); }
+
+void PrintFaults() {
+  for (const synthetic::Fault& fault : synthetic::AllFaults())
+    std::printf("%-22s %8g  %s\n", fault.name.c_str(), fault.strength, fault.what.c_str());
+}
+
+/// A copy of a recording in which something goes wrong.
+void Damage(const Options& options, const fs::path& source) {
+  if (!IsRecording(source)) throw UsageError(source.string() + " is no EuRoC folder");
+  if (fs::exists(options.out) && fs::equivalent(source, options.out))
+    throw UsageError("OUT must be another folder than the recording");
+  try {
+    synthetic::FaultyRecording recording = synthetic::ReadRecording(source);
+    const auto num_frames = static_cast<std::size_t>(options.config.max_frames);
+    if (num_frames > 0 && num_frames < recording.left.size())
+      recording.EndAt(recording.left[num_frames - 1].t);
+    synthetic::ApplyFault(options.fault, recording);
+    PrepareFolder(options.out, options.overwrite);
+    synthetic::WriteRecording(recording, options.out);
+  } catch (const synthetic::FaultError& error) {
+    throw UsageError(error.what());
+  }
+  std::printf("%s: %s with %s\n", options.out.c_str(), source.c_str(), options.fault.c_str());
+}
+
+void Render(const Options& options, const fs::path& out) {
   synthetic::Scene scene = SceneOf(options);
   if (!options.motion.empty()) {
     scene.motion.kind = *synthetic::MotionKindFromName(options.motion);
@@ -70,13 +100,25 @@ void Run(const Options& options) {
   for (const std::string& problem : options.config.Problems())
     problems += (problems.empty() ? "" : "\n") + problem;
   if (!problems.empty()) throw UsageError(problems);
-  PrepareFolder(options.out, options.overwrite);
-  const synthetic::SynthesisSummary summary =
-      synthetic::Synthesize(scene, options.config, options.out, ShowProgress);
+  PrepareFolder(out, options.overwrite);
+  const synthetic::SynthesisSummary summary = synthetic::Synthesize(scene, options.config, out, ShowProgress);
   std::printf(
       "%s: %d stereo frames over %.2f m in %.1f s (light %.1f s, images %.1f pairs/s, %.1f million rays/s)\n",
-      options.out.c_str(), summary.num_frames, summary.path_length_m, summary.total_s, summary.bake_s,
+      out.c_str(), summary.num_frames, summary.path_length_m, summary.total_s, summary.bake_s,
       summary.num_frames / summary.render_s, static_cast<double>(summary.num_rays) / summary.render_s * 1e-6);
+}
+
+void Run(const Options& options) {
+  if (options.list_faults) return PrintFaults();
+  if (options.scene.empty() || options.out.empty()) throw UsageError("SCENE and OUT must be given");
+  if (IsRecording(options.scene) && options.fault.empty())
+    throw UsageError(options.scene + " is a recording: say with --fault what goes wrong in its copy");
+  if (options.fault.empty()) return Render(options, options.out);
+  if (IsRecording(options.scene)) return Damage(options, options.scene);
+  const fs::path undamaged = fs::path(options.out + ".undamaged");
+  Render(options, undamaged);
+  Damage(options, undamaged);
+  fs::remove_all(undamaged);
 }
 
 }  // namespace
@@ -86,12 +128,13 @@ void AddSynthesizeCommand(CLI::App& app) {
       "synthesize", "Render a stereo sequence of a known world, with exact truth, as an EuRoC folder");
   auto options = std::make_shared<Options>();
   synthetic::SynthesisConfig& config = options->config;
-  command
-      ->add_option(
-          "SCENE", options->scene,
-          "name of a shipped scene, a YAML file, or family:NAME, a place drawn at random by the seed")
-      ->required();
-  command->add_option("OUT", options->out, "folder to write")->required();
+  command->add_option(
+      "SCENE", options->scene,
+      "name of a shipped scene, a YAML file, or family:NAME, a place drawn at random by the seed; with "
+      "--fault also a recording (EuRoC folder)");
+  command->add_option("OUT", options->out, "folder to write");
+  command->add_option("--fault", options->fault, "NAME or NAME:STRENGTH: what goes wrong (--list-faults)");
+  command->add_flag("--list-faults", options->list_faults, "print every fault with its strength, and end");
   command->add_option("--seed", config.seed, "of noise, gait and sensors, and of a family's place")
       ->capture_default_str();
   command->add_option("--frames", config.max_frames, "at most so many; 0: as long as the motion lasts");

@@ -72,5 +72,31 @@ TEST(GravityKeeperTest, AveragesTheAttitudeOfALeaningBody) {
   EXPECT_LT(keeper.gravity().sigma_rad, 0.01);
 }
 
+TEST(GravityKeeperTest, RefusesAnAttitudeThatTurnsWhileTheImagesShowThatNothingDoes) {
+  GravityKeeper keeper({}, CameraIsBody());
+  const Gravity mounting = Down(-Eigen::Vector3d::UnitZ(), 0.035, GravitySource::kMounting);
+  keeper.Start(mounting, mounting);
+  const PoseEstimate pose;
+  for (int i = 0; i < 20; ++i) keeper.FollowAttitude(AttitudeLeaning(0.01), pose);
+  EXPECT_FALSE(keeper.TakeWarning());
+  for (int i = 0; i < 20; ++i) keeper.FollowAttitude(AttitudeLeaning(0.36), pose);
+  const Eigen::Vector3d truth(0.0, -std::sin(0.01), -std::cos(0.01));
+  EXPECT_LT(std::acos(keeper.gravity().down_world.dot(truth)), 0.005);
+  const auto warning = keeper.TakeWarning();
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("body attitude is 20 deg"), std::string::npos) << *warning;
+}
+
+TEST(GravityKeeperTest, TakesRollAndPitchOfTheLegsWhereNothingIsBetter) {
+  GravityKeeper keeper({}, CameraIsBody());
+  const Gravity mounting = Down(-Eigen::Vector3d::UnitZ(), 0.035, GravitySource::kMounting);
+  keeper.Start(mounting, mounting);
+  SensorSamples legs = AttitudeLeaning(0.4);
+  legs.priors[0].kind = PriorKind::kLegOdometry;
+  keeper.FollowAttitude(legs, PoseEstimate());
+  const Eigen::Vector3d truth(0.0, -std::sin(0.4), -std::cos(0.4));
+  EXPECT_LT(std::acos(keeper.gravity().down_world.dot(truth)), 0.01);
+}
+
 }  // namespace
 }  // namespace terrace

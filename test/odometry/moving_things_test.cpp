@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <initializer_list>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -47,6 +49,42 @@ TEST(MovingThingsTest, IsNotCarriedAwayByABoardThatMovesThroughTheView) {
       EXPECT_LT(ErrorMm(first, pose, i), 4.0) << "frame " << i;
     }
   }
+}
+
+/// A textured board at 0.5 m that covers the view from a column on, over its whole height.
+void PutBoardFrom(StereoFrame& frame, int u0, int width) {
+  constexpr int kDisparityPx = 48;
+  cv::Mat1b board(kCamera.height / 4, width / 4), large;
+  std::mt19937 random(7);
+  for (std::uint8_t& grey : board) grey = static_cast<std::uint8_t>(60 + random() % 128);
+  cv::resize(board, large, {width, kCamera.height}, 0, 0, cv::INTER_CUBIC);
+  for (const bool left : {true, false}) {
+    cv::Mat1b& image = left ? frame.left : frame.right;
+    const int from = u0 - (left ? 0 : kDisparityPx);
+    const int begin = std::max(from, 0), end = std::min(from + width, kCamera.width);
+    if (begin < end) large.colRange(begin - from, end - from).copyTo(image.colRange(begin, end));
+  }
+}
+
+TEST(MovingThingsTest, BelievesLegsAtRestWhenWhatFillsTheViewLeavesIt) {
+  VisualOdometry odometry({}, kCamera, WithBody());
+  PoseEstimate first, pose;
+  int num_untrusted = 0;
+  for (int i = 0; i < 50; ++i) {
+    constexpr int kLeaves = 24, kWidth = 300, kPxAFrame = 20;
+    StereoFrame frame = World().Frame(i, Walk(0));
+    PutBoardFrom(frame, 20 - kPxAFrame * std::max(0, i - kLeaves), kWidth);
+    SensorSamples samples;
+    samples.priors.push_back(PriorAt(0, PriorKind::kLegOdometry));
+    samples.priors.back().t = frame.t_capture;
+    pose = odometry.Track(frame, samples);
+    if (i == 0) first = pose;
+    num_untrusted += !pose.trusted;
+    if (pose.trusted && pose.epoch == 0) {
+      EXPECT_LT(ErrorMm(first, pose, 0), 10.0) << "frame " << i;
+    }
+  }
+  EXPECT_GT(num_untrusted, 0);
 }
 
 TEST(MovingThingsTest, PublishesNoJumpAsCertainWhenItStumblesBeforeAMovingBoard) {

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/witness.h"
+
+#include <cmath>
+
+#include "odometry/covariance.h"
+
+namespace terrace {
+namespace {
+
+/// Of six components. Seven standard deviations of one: undamaged walks stay below one.
+constexpr double kMostChi2 = 50.0;
+constexpr double kApartOver_s = 1.0;
+constexpr int kProofFrames = 15;  // frames
+
+}  // namespace
+
+Witness::Verdict Witness::Hear(const Vector6d& error, const Matrix6d& covariance, double dt_s) {
+  const bool possible = Chi2(error, covariance) <= kMostChi2;
+  num_agreed_ += possible;
+  if (num_agreed_ < kProofFrames) return Verdict::kAgrees;
+  contradicts_ = !possible;
+  error_ = error;
+  Vector6d turn = Vector6d::Zero(), shift = Vector6d::Zero();
+  turn.head<3>() = error.head<3>();
+  shift.tail<3>() = error.tail<3>();
+  const double turn_chi2 = Chi2(turn, covariance);
+  turns_otherwise_ = turn_chi2 > kMostChi2 && turn_chi2 > Chi2(shift, covariance);
+  if (contradicts_) {
+    disagreed_s_ += dt_s;
+    return Verdict::kContradicts;
+  }
+  const double keep = std::exp(-dt_s / kApartOver_s);
+  apart_ = keep * apart_ + error;
+  apart_covariance_ = keep * keep * apart_covariance_ + covariance;
+  const bool apart = Chi2(apart_, apart_covariance_) > kMostChi2;
+  disagreed_s_ = apart ? disagreed_s_ + dt_s : 0.0;
+  return apart ? Verdict::kDriftsApart : Verdict::kAgrees;
+}
+
+}  // namespace terrace
