@@ -12,6 +12,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "core/standard_streams.h"
 #include "daemon/config.h"
 #include "daemon/interrupt.h"
 #include "daemon/live.h"
@@ -126,7 +127,11 @@ int Run(int argc, char** argv) {
 }  // namespace terrace
 
 int main(int argc, char** argv) {
+  terrace::OccupyStandardStreams();
   // Standard output belongs to what was asked for; everything about the run goes to standard error.
   spdlog::set_default_logger(spdlog::stderr_color_mt("terraced"));
-  return terrace::Run(argc, argv);
+  const int code = terrace::Run(argc, argv);
+  if (terrace::StandardOutputIsWritten() || code != 0) return code;
+  std::fprintf(stderr, "terraced: standard output cannot be written\n");
+  return terrace::kFailed;
 }
