@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <functional>
 #include <map>
+#include <set>
 #include <type_traits>
 #include <vector>
 
@@ -190,8 +191,17 @@ class Loader {
       problems_.push_back(file.string() + ": must hold sections, each with its keys");
       return;
     }
+    SayWhatComesTwice(file, root);
     for (const auto& section : root)
       ReadSection(file, section.first.as<std::string>(""), section.first, section.second);
+  }
+
+  /// Which of two values is meant nobody can know.
+  void SayWhatComesTwice(const std::filesystem::path& file, const YAML::Node& map) {
+    std::set<std::string> keys;
+    for (const auto& entry : map)
+      if (const std::string key = entry.first.as<std::string>(""); !keys.insert(key).second)
+        problems_.push_back(Where(file, entry.first) + ": '" + key + "' comes twice");
   }
 
   /// A section holds keys, or sections of its own.
@@ -201,6 +211,7 @@ class Loader {
     if (!binding_.HasSection(name)) {
       problems_.push_back(where + ": there is no section '" + name + "'");
     } else if (content.IsMap()) {
+      SayWhatComesTwice(file, content);
       for (const auto& entry : content) {
         const std::string inner = entry.first.as<std::string>("");
         if (entry.second.IsMap() && binding_.HasSection(name + "." + inner)) {

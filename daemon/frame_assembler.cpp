@@ -28,14 +28,17 @@ std::vector<Sample> TakeUpTo(Timestamp t, std::deque<Sample>* samples) {
 }  // namespace
 
 bool RisingTimes::Accept(Timestamp t) {
-  if (last_ && t <= *last_) return false;
-  const bool jumps = last_ && t - *last_ > max_jump_;
+  constexpr std::chrono::seconds kOvertakes(1);  // messages of one clock overtake one another by less
+  const bool back = last_ && *last_ - t > kOvertakes;
+  if (last_ && t <= *last_ && !back) return false;
+  const bool jumps = back || (last_ && t - *last_ > max_jump_);
   const bool confirmed = suspect_ && t > *suspect_ && t - *suspect_ <= max_jump_;
   if (jumps && !confirmed) {
     suspect_ = t;
     return false;
   }
   suspect_.reset();
+  clock_set_by_ = jumps ? t - *last_ : std::chrono::nanoseconds(0);
   last_ = t;
   return true;
 }
@@ -76,7 +79,22 @@ void FrameAssembler::Add(StereoPair pair, ArrivalTime now) {
     ++num_time_jumps_;
     return;
   }
+  if (pair_times_.clock_set_by().count() != 0) {
+    clock_change_ = pair_times_.clock_set_by();
+    ForgetOtherClock(pair.t_capture);
+  }
   pairs_.push_back({std::move(pair), now});
+}
+
+/// Samples and pairs of the clock of before would be taken for older or newer than they are.
+void FrameAssembler::ForgetOtherClock(Timestamp t) {
+  constexpr std::chrono::seconds kNear(1);
+  const auto is_other = [&](const auto& sample) { return sample.t > t + kNear || sample.t < t - kNear; };
+  std::erase_if(imu_, is_other);
+  std::erase_if(priors_, is_other);
+  last_frame_.reset();
+  last_imu_.reset();
+  if (!imu_.empty()) last_imu_ = imu_.back().t;
 }
 
 bool FrameAssembler::ImuIsAlive(ArrivalTime now) const {

@@ -5,26 +5,31 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <utility>
 
 #include "core/sensor_frame.h"
 #include "daemon/live_config.h"
 
 namespace terrace {
 
-/// Lets only rising times through. One wild time stamp far in the future must not shut out all that follow:
-/// it is believed only when the next one agrees.
+/// Lets only rising times through, as long as they are those of one clock. A time stamp far ahead, or more
+/// than a second back, is believed only when the next one agrees: one wild stamp must not shut out all that
+/// follow, nor must a clock that was set.
 class RisingTimes {
  public:
   explicit RisingTimes(std::chrono::nanoseconds max_jump) : max_jump_(max_jump) {}
 
   /// True when an item with this time can be used.
   bool Accept(Timestamp t);
+  /// By how much the clock was set with the last time that was accepted; zero: it was not.
+  std::chrono::nanoseconds clock_set_by() const { return clock_set_by_; }
   const std::optional<Timestamp>& last() const { return last_; }
 
  private:
   std::chrono::nanoseconds max_jump_;
   std::optional<Timestamp> last_;
   std::optional<Timestamp> suspect_;
+  std::chrono::nanoseconds clock_set_by_{0};
 };
 
 /// Puts live images together with the samples that belong to them. A pair waits until the IMU has passed its
@@ -46,9 +51,15 @@ class FrameAssembler {
   std::optional<SensorFrame> TakeAny();
 
   std::int64_t num_time_jumps() const { return num_time_jumps_; }
+  /// By how much the clock of the images was set since this was asked last; zero: it was not.
+  std::chrono::nanoseconds TakeClockChange() {
+    return std::exchange(clock_change_, std::chrono::nanoseconds(0));
+  }
   std::int64_t num_imu_gaps() const { return num_imu_gaps_; }
 
  private:
+  void ForgetOtherClock(Timestamp t);
+
   struct WaitingPair {
     StereoPair pair;
     ArrivalTime arrived;
@@ -69,6 +80,7 @@ class FrameAssembler {
   std::optional<Timestamp> last_imu_;
   std::optional<ArrivalTime> imu_arrived_;
   std::optional<Timestamp> last_frame_;
+  std::chrono::nanoseconds clock_change_{0};
   std::int64_t num_time_jumps_ = 0;
   std::int64_t num_imu_gaps_ = 0;
 };

@@ -12,6 +12,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
+#include <terrace/status_v1_t.hpp>
 
 #include "daemon/commands.h"
 #include "daemon/interrupt.h"
@@ -25,6 +26,8 @@
 #include "daemon/thread_priority.h"
 #include "datasets/calibration_file.h"
 #include "datasets/euroc.h"
+#include "lcmtypes/safe_decode.h"
+#include "lcmtypes/subscribe.h"
 
 namespace terrace {
 namespace {
@@ -79,6 +82,7 @@ class LiveNode {
         [this](const terrain_repair_v1_t& repair) {
           if (mapper_) mapper_->publisher.Answer(repair);
         });
+    Subscribe<&LiveNode::OnStatus>(&lcm_, config.channels.status, this);
     spdlog::info("live on {}", config.live.url);
   }
 
@@ -97,6 +101,15 @@ class LiveNode {
   }
 
  private:
+  /// Two daemons on one bus publish poses and maps over each other.
+  void OnStatus(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+    const auto status = SafeDecode<status_v1_t>(buffer->data, buffer->data_size);
+    if (!status || reporter_.HasSent(Timestamp::FromMicroseconds(status->utime))) return;
+    other_heard_ = Clock::now();
+    if (!std::exchange(other_said_, true))
+      spdlog::warn("another terraced speaks on {}: stop one of them, or give it other channels", channel);
+  }
+
   void StartMapper() {
     mapper_ = std::make_unique<LiveMapper>(options_, config_, *input_->calibration(), &lcm_, &reporter_);
     mapper_->run.pipeline().PauseMap(paused_);
@@ -166,8 +179,15 @@ class LiveNode {
           input_->calibration_problem().empty() ? ReasonCode::kNoCalibration : ReasonCode::kBadCalibration;
     }
     if (status.state == DaemonState::kNoInput) {
-      status.reason = "no images on " + config_.channels.images;
+      status.reason = input_->why_no_images().empty() ? "no images on " + config_.channels.images
+                                                      : "images on " + config_.channels.images +
+                                                            " are not taken: " + input_->why_no_images();
       status.reason_code = ReasonCode::kNoImages;
+    }
+    constexpr std::chrono::seconds kRecently(3);
+    if (other_heard_ && Clock::now() - *other_heard_ < kRecently && status.reason.empty()) {
+      status.reason = "another terraced speaks on this bus";
+      status.reason_code = ReasonCode::kInputTrouble;
     }
     reporter_.Send(status);
     service_.Tell(status);
@@ -235,6 +255,8 @@ class LiveNode {
   std::unique_ptr<LiveMapper> mapper_;
   bool paused_ = false;
   bool calibration_missing_said_ = false;
+  std::optional<Clock::time_point> other_heard_;
+  bool other_said_ = false;
   Clock::time_point report_due_ = Clock::now() + std::chrono::seconds(1);
   std::int64_t num_troubles_ = 0;
 };

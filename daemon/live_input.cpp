@@ -8,6 +8,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "core/print.h"
 #include "lcmtypes/calibration_codec.h"
 #include "lcmtypes/image_codec.h"
 #include "lcmtypes/safe_decode.h"
@@ -21,6 +22,25 @@ namespace {
 constexpr int kImageCapacity = 4;
 constexpr int kSampleCapacity = 2000;
 constexpr int kOtherCapacity = 30;
+
+/// What arrived instead of a message that can be decoded.
+std::string WhyNot(const lcm::ReceiveBuffer& buffer, std::uint64_t fingerprint, const char* type) {
+  constexpr std::size_t kFingerprintBytes = 8;
+  if (buffer.data_size < kFingerprintBytes) return "too short for a message";
+  std::uint64_t came = 0;
+  for (std::size_t i = 0; i < kFingerprintBytes; ++i)
+    came = came << 8 | static_cast<const std::uint8_t*>(buffer.data)[i];
+  if (came == fingerprint) return std::string("a damaged ") + type;
+  return Printed("another type than %s: its fingerprint is %016llx, must be %016llx", type,
+                 static_cast<unsigned long long>(came), static_cast<unsigned long long>(fingerprint));
+}
+
+std::string StrangeTime(std::int64_t utime) {
+  constexpr std::int64_t kYear2200_us = 7'258'118'400'000'000;
+  if (utime / 1000 < kYear2200_us && utime > kYear2200_us)
+    return "utime seems to be in nanoseconds, must be microseconds: divide it by 1000";
+  return "utime cannot be, must be microseconds since 1970";
+}
 
 std::string SizeText(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
 
@@ -68,19 +88,25 @@ template <typename Message, typename Use>
 void LiveInput::Decode(Input* input, Buffer* buffer, Use use) {
   ++input->num_messages;
   ++input->num_in_window;
-  bool good = false;
+  std::string why_not;
   try {
     const std::optional<Message> message = SafeDecode<Message>(buffer->data, buffer->data_size);
-    good = message && use(*message);
+    if (!message) {
+      why_not = WhyNot(*buffer, static_cast<std::uint64_t>(Message::getHash()), Message::getTypeName());
+    } else if (!use(*message)) {
+      why_not = "a value in it cannot be: time stamps must be microseconds since 1970, poses finite";
+    }
   } catch (const std::exception& error) {
-    spdlog::error("a message could not be used: {}", error.what());
+    why_not = error.what();
   }
-  if (good) {
+  if (why_not.empty()) {
     input->t_last = Clock::now();
   } else {
     ++input->num_bad;
     ++num_decode_errors_;
+    if (why_not != input->why_not) spdlog::warn("messages on {} are not taken: {}", input->channel, why_not);
   }
+  input->why_not = why_not;
 }
 
 std::vector<InputStatus> LiveInput::TakeInputs() {
@@ -101,7 +127,7 @@ std::vector<InputStatus> LiveInput::TakeInputs() {
 
 void LiveInput::OnImages(Buffer* buffer, const std::string&) {
   Decode<images_t>(&images_, buffer, [this](const images_t& message) {
-    if (!CaptureTime(message)) return false;
+    if (!CaptureTime(message)) throw std::runtime_error(StrangeTime(message.utime));
     if (calibration_) assembler_.Add(FromMessage(message), Clock::now());
     return true;
   });
@@ -173,6 +199,10 @@ void LiveInput::OnRepairMessage(Buffer* buffer, const std::string&) {
 }
 
 std::optional<SensorFrame> LiveInput::NextReady() {
+  if (const auto set_by = assembler_.TakeClockChange(); set_by.count() != 0)
+    spdlog::warn(
+        "the clock of the images was set by {:.1f} s: a new map begins unless the place is recognised",
+        Seconds(set_by));
   std::optional<SensorFrame> frame = assembler_.TakeReady(std::chrono::steady_clock::now());
   if (frame) CheckSize(&*frame);
   return frame;

@@ -54,6 +54,8 @@ class LiveInput {
   std::vector<InputStatus> TakeInputs();
 
   std::int64_t num_bad_frames() const { return num_bad_frames_; }
+  /// Why the newest images that came were not taken; empty: they were, or none have come.
+  const std::string& why_no_images() const { return images_.why_not; }
   std::int64_t num_decode_errors() const { return num_decode_errors_; }
   std::int64_t num_time_jumps() const { return assembler_.num_time_jumps(); }
   std::int64_t num_imu_gaps() const { return assembler_.num_imu_gaps(); }
@@ -70,6 +72,7 @@ class LiveInput {
     std::int64_t num_bad = 0;
     std::int64_t num_in_window = 0;
     std::optional<Clock::time_point> t_last;  // of the newest good one
+    std::string why_not;                      // the newest was not taken; empty: it was
   };
 
   void OnImages(Buffer* buffer, const std::string& channel);

@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
+#include "core/standard_streams.h"
 #include "daemon/config.h"
 #include "daemon/interrupt.h"
 #include "daemon/live.h"
@@ -129,7 +130,12 @@ int Run(int argc, char** argv) {
 }  // namespace terrace
 
 int main(int argc, char** argv) {
+  terrace::OccupyStandardStreams();
   // Standard output belongs to what was asked for; everything about the run goes to standard error.
   terrace::LogToStandardError();
-  return terrace::Run(argc, argv);
+  const int code = terrace::Run(argc, argv);
+  if (terrace::StandardOutputIsWritten() || code != 0) return code;
+  std::fprintf(stderr, "terraced: standard output cannot be written
+");
+  return terrace::kFailed;
 }

@@ -91,9 +91,10 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   // it.
   FrameResult result;
   result.warnings = tracked.warnings;
-  const bool pair_is_sound = !disparity || CheckPair(*tracked.frame, *disparity, &result.warnings);
-  const bool mapped = tracked.pose.trusted && disparity && pair_is_sound && !map_paused_;
+  const std::string unsound = disparity ? CheckPair(*tracked.frame, *disparity, &result.warnings) : "";
+  const bool mapped = tracked.pose.trusted && disparity && unsound.empty() && !map_paused_;
   result.pose = tracked.pose;
+  if (result.pose.reason.empty()) result.pose.reason = unsound;
   result.change = mapped ? mapper_.Update({*disparity, camera(), self_mask_}, tracked.pose, tracked.gravity)
                          : mapper_.Unchanged();
   if (mapped)
@@ -105,16 +106,16 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   return result;
 }
 
-bool Pipeline::CheckPair(const StereoFrame& frame, const DisparityImage& disparity,
+std::string Pipeline::CheckPair(const StereoFrame& frame, const DisparityImage& disparity,
                          std::vector<std::string>* warnings) {
   const PairHealth health = pair_monitor_.Check(frame, disparity);
-  const std::array<bool, 5> findings{health.left_blank, health.right_blank, health.half_blank,
-                                     health.different, health.rows_off};
+  const PairFindings findings{health.left_blank,  health.right_blank,  health.half_blank, health.different,
+                              health.left_stands, health.right_stands, health.both_stand, health.rows_off};
   if (std::exchange(pair_findings_, findings) != findings) {
     const std::string reason = health.Reason();
     warnings->push_back(reason.empty() ? "the two cameras show the same again" : reason);
   }
-  return !health.stops_mapping();
+  return health.stops_mapping() ? health.Reason() : "";
 }
 
 void Pipeline::PostLessons(const DisparityImage* disparity, const TrackedPose& tracked, bool mapped) {

@@ -96,9 +96,11 @@ class Pipeline {
   /// Of the frame that will use it; null where the motion is not known.
   std::shared_ptr<const DisparityPrior> ExpectDisparities(const DisparityImage& disparity,
                                                           const PoseEstimate& pose) const;
-  /// Whether the images can be what a pair sees; tells the user when that changes.
-  bool CheckPair(const StereoFrame& frame, const DisparityImage& disparity,
-                 std::vector<std::string>* warnings);
+  using PairFindings = std::array<bool, 8>;
+
+  /// Why the images cannot be what a pair sees; empty: they can. Tells the user when that changes.
+  std::string CheckPair(const StereoFrame& frame, const DisparityImage& disparity,
+                        std::vector<std::string>* warnings);
   void PostLessons(const DisparityImage* disparity, const TrackedPose& tracked, bool mapped);
 
   PipelineConfig config_;
@@ -115,7 +117,7 @@ class Pipeline {
   std::optional<PoseEstimate> last_tracked_;                                  // of the thread that maps
   int epoch_ = 0;  // of the thread that maps, like what follows
   PairMonitor pair_monitor_;
-  std::array<bool, 5> pair_findings_{};
+  PairFindings pair_findings_{};
   std::atomic<bool> reset_requested_{false};
   std::atomic<bool> map_paused_{false};
 };

@@ -152,7 +152,7 @@ StereoCalibration CalibrationOf(const SequenceInfo& info, const ReplayOptions& o
 void RunReplay(const ReplayOptions& options, const Config& config) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(options.num_threads));
-  const std::unique_ptr<Sequence> sequence = OpenSequence(options.sequence);
+  const std::unique_ptr<Sequence> sequence = OpenSequence(options.sequence, config.channels);
   const SequenceInfo& info = sequence->info();
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
 

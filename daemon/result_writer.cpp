@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include <openssl/evp.h>
 #include <sys/resource.h>
@@ -31,7 +32,7 @@ void Write(const fs::path& path, const std::string& text) {
   std::ofstream file = Open(path);
   file << text;
   file.flush();
-  if (!file) throw OutputError(path.string() + ": could not be written whole: is the disk full?");
+  if (!file) throw std::runtime_error(path.string() + ": could not be written whole: is the disk full?");
 }
 
 std::string Sha256(const std::string& text) {
@@ -93,6 +94,9 @@ void ResultWriter::AddFrame(const FrameResult& result, std::optional<double> lat
   line.epoch = pose.epoch;
   frames_ << FrameLine(line) << '\n';
   AddStaircases(*result.change.map);
+  // Told when it happens, and not after an hour.
+  if (!trajectory_ || !frames_ || !staircases_)
+    throw std::runtime_error(dir_.string() + ": results could not be written: is the disk full?");
   if (save_disparity_every_ > 0 && num_frames_ % save_disparity_every_ == 0 && result.disparity) {
     WriteDisparity(*result.disparity);
   }

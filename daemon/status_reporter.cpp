@@ -108,6 +108,8 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
   status.tracking = last_pose_.status;
   status.reason = last_pose_.reason;
   status.reason_code = last_pose_.reason_code;
+  // What the pair of images lacks shows after the pose is out.
+  if (status.reason.empty()) status.reason = last_.pose.reason;
   if (!status.reason.empty() && status.reason_code == ReasonCode::kNone)
     status.reason_code = ReasonCode::kOther;
   status.epoch = last_pose_.epoch;
@@ -138,7 +140,10 @@ Status StatusReporter::Take(DaemonState state, StageMeters* meters) {
 }
 
 void StatusReporter::Send(const Status& status) {
+  constexpr std::size_t kRemembered = 8;
   const status_v1_t message = ToMessage(status);
+  sent_.push_back(Timestamp::FromMicroseconds(message.utime));
+  if (sent_.size() > kRemembered) sent_.pop_front();
   lcm_->publish(channel_, &message);
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -30,6 +32,8 @@ class StatusReporter {
   /// when there is any, makes a running daemon a degraded one.
   Status Take(DaemonState state, StageMeters* meters);
   void Send(const Status& status);
+  /// Whether a status that has come over the bus is one of ours.
+  bool HasSent(Timestamp t) const { return std::find(sent_.begin(), sent_.end(), t) != sent_.end(); }
 
  private:
   lcm::LCM* const lcm_;
@@ -49,6 +53,7 @@ class StatusReporter {
   std::int64_t num_lost_ = 0;
   PoseEstimate last_pose_;
   FrameResult last_;
+  std::deque<Timestamp> sent_;  ///< of the newest
 };
 
 }  // namespace terrace

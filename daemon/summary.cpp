@@ -23,6 +23,10 @@ void PrintDrift(const std::filesystem::path& sequence, const std::filesystem::pa
     const std::vector<TimedPose> truth =
         TrueLeftPoses(LoadTrueTrajectory(sequence), ReadCameraFile(output / "camera.json"));
     const std::vector<PosePair> pairs = MatchPoses(ReadTrajectoryFile(output / "trajectory.tum"), truth);
+    if (pairs.empty()) {
+      std::printf("drift        not measured: no pose has a true one within 2 ms\n");
+      return;
+    }
     const TrajectoryEvaluation drift = EvaluateTrajectory(pairs, {}, static_cast<std::int64_t>(truth.size()),
                                                           static_cast<std::int64_t>(pairs.size()));
     std::printf("drift        %.1f mm rms over %.1f m", 1e3 * drift.ate_rmse_m, drift.path_length_m);

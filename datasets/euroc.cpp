@@ -12,6 +12,7 @@
 #include "core/lens_models.h"
 #include "datasets/calibration_formats.h"
 #include "datasets/folder_sequence.h"
+#include "datasets/frame_times.h"
 #include "datasets/ground_truth.h"
 #include "datasets/text_table.h"
 
@@ -218,8 +219,13 @@ Table<ImageRow> ReadImageRows(const fs::path& camera) {
     return ImageRow{*t, cells.size() > 1 ? std::string(cells[1]) : std::to_string(t->ns) + ".png"};
   };
   Table<ImageRow> table = ReadTable<ImageRow>(csv, ',', "a time stamp [ns] and a file name", parse);
-  LeaveOutTimeJumps(csv, "image", &table);
   return table;
+}
+
+std::vector<Timestamp> TimesOf(const std::vector<ImageRow>& rows) {
+  std::vector<Timestamp> times;
+  for (const ImageRow& row : rows) times.push_back(row.t);
+  return times;
 }
 
 /// Every image of either camera once, in order of time.
@@ -253,15 +259,17 @@ std::vector<FolderFrame> PairUp(const fs::path& mav, const std::vector<ImageRow>
 /// Rows of a sensor that a sequence can do without: what is wrong with the file becomes a warning.
 template <typename Row, typename Parse>
 std::vector<Row> ReadOptionalSensor(const fs::path& csv, const std::string& rule, Parse parse,
-                                    Problems* warnings) {
+                                    const std::vector<ClockOffset>& clock, Problems* warnings) {
   Table<Row> table = ReadTable<Row>(csv, ',', rule, parse);
+  CountOn(clock, &table.rows);
   LeaveOutTimeJumps(csv, "sample", &table);
   if (!table.problem.empty()) warnings->push_back(table.problem + "; it is not used");
   warnings->insert(warnings->end(), table.warnings.begin(), table.warnings.end());
   return std::move(table.rows);
 }
 
-std::vector<ImuSample> ReadImu(const fs::path& csv, Problems* warnings) {
+std::vector<ImuSample> ReadImu(const fs::path& csv, const std::vector<ClockOffset>& clock,
+                               Problems* warnings) {
   const auto parse = [](std::span<const std::string_view> cells) -> std::optional<ImuSample> {
     const std::optional<Timestamp> t = cells.empty() ? std::nullopt : ParseNanoseconds(cells[0]);
     const auto v = ParseDoubles(cells, 1, 6);
@@ -269,10 +277,11 @@ std::vector<ImuSample> ReadImu(const fs::path& csv, Problems* warnings) {
     return ImuSample{*t, {(*v)[0], (*v)[1], (*v)[2]}, {(*v)[3], (*v)[4], (*v)[5]}};
   };
   return ReadOptionalSensor<ImuSample>(csv, "a time stamp [ns], 3 rates of turn and 3 accelerations", parse,
-                                       warnings);
+                                       clock, warnings);
 }
 
-std::vector<BodyPrior> ReadPriors(const fs::path& csv, PriorKind kind, Problems* warnings) {
+std::vector<BodyPrior> ReadPriors(const fs::path& csv, PriorKind kind, const std::vector<ClockOffset>& clock,
+                                  Problems* warnings) {
   const auto parse = [kind](std::span<const std::string_view> cells) -> std::optional<BodyPrior> {
     const std::optional<Timestamp> t = cells.empty() ? std::nullopt : ParseNanoseconds(cells[0]);
     const auto v = ParseDoubles(cells, 1, 13);
@@ -288,7 +297,8 @@ std::vector<BodyPrior> ReadPriors(const fs::path& csv, PriorKind kind, Problems*
     return prior;
   };
   return ReadOptionalSensor<BodyPrior>(
-      csv, "a time stamp [ns], position, quaternion w x y z and 6 standard deviations", parse, warnings);
+      csv, "a time stamp [ns], position, quaternion w x y z and 6 standard deviations", parse, clock,
+      warnings);
 }
 
 /// Body axes and noise of the IMU; without them its samples mean nothing.
@@ -306,21 +316,21 @@ bool ReadImuCalibration(const fs::path& path, StereoCalibration* calibration, Pr
   return problems.empty();
 }
 
-SensorSamples ReadSamples(const fs::path& mav, SequenceInfo* info) {
+SensorSamples ReadSamples(const fs::path& mav, const std::vector<ClockOffset>& clock, SequenceInfo* info) {
   SensorSamples samples;
   if (fs::exists(mav / "imu0")) {
     if (ReadImuCalibration(mav / "imu0" / "sensor.yaml", &info->calibration, &info->warnings)) {
-      samples.imu = ReadImu(mav / "imu0" / "data.csv", &info->warnings);
+      samples.imu = ReadImu(mav / "imu0" / "data.csv", clock, &info->warnings);
     }
     info->has_imu = !samples.imu.empty();
   }
   if (fs::exists(mav / "attitude0")) {
-    samples.priors = ReadPriors(mav / "attitude0" / "data.csv", PriorKind::kAttitude, &info->warnings);
+    samples.priors = ReadPriors(mav / "attitude0" / "data.csv", PriorKind::kAttitude, clock, &info->warnings);
     info->has_attitude = !samples.priors.empty();
   }
   if (fs::exists(mav / "legs0")) {
     const std::vector<BodyPrior> legs =
-        ReadPriors(mav / "legs0" / "data.csv", PriorKind::kLegOdometry, &info->warnings);
+        ReadPriors(mav / "legs0" / "data.csv", PriorKind::kLegOdometry, clock, &info->warnings);
     info->has_legs = !legs.empty();
     samples.priors.insert(samples.priors.end(), legs.begin(), legs.end());
     std::stable_sort(samples.priors.begin(), samples.priors.end(),
@@ -349,8 +359,15 @@ std::unique_ptr<Sequence> OpenEurocSequence(const fs::path& path) {
   info.kind = SequenceKind::kEuroc;
   info.path = path;
   info.calibration = ReadCalibration(mav, &problems);
-  const Table<ImageRow> left = ReadImageRows(mav / "cam0");
-  const Table<ImageRow> right = ReadImageRows(mav / "cam1");
+  Table<ImageRow> left = ReadImageRows(mav / "cam0");
+  Table<ImageRow> right = ReadImageRows(mav / "cam1");
+  const std::vector<ClockOffset> clock = OffsetsThatCountOn(TimesOf(left.rows));
+  CountOn(clock, &left.rows);
+  CountOn(clock, &right.rows);
+  LeaveOutTimeJumps(mav / "cam0" / "data.csv", "image", &left);
+  LeaveOutTimeJumps(mav / "cam1" / "data.csv", "image", &right);
+  if (const auto sentence = SentenceAbout(clock))
+    info.warnings.push_back((mav / "cam0" / "data.csv").string() + ": " + *sentence);
   for (const Table<ImageRow>* side : {&left, &right}) {
     if (!side->problem.empty()) problems.push_back(side->problem);
     info.warnings.insert(info.warnings.end(), side->warnings.begin(), side->warnings.end());
@@ -363,7 +380,7 @@ std::unique_ptr<Sequence> OpenEurocSequence(const fs::path& path) {
   if (!any_pair) {
     ThrowIfAny({mav.string() + ": no two time stamps of cam0/data.csv and cam1/data.csv lie within 0.5 ms"});
   }
-  SensorSamples samples = ReadSamples(mav, &info);
+  SensorSamples samples = ReadSamples(mav, clock, &info);
   info.has_true_poses = HasTrueTrajectory(path);
   return std::make_unique<FolderSequence>(std::move(info), std::move(frames), std::move(samples),
                                           left.num_time_jumps + right.num_time_jumps);

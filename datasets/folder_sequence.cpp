@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/check.h"
+#include "datasets/frame_times.h"
 #include "datasets/image_file.h"
 
 namespace terrace {
@@ -37,6 +38,9 @@ FolderSequence::FolderSequence(SequenceInfo info, std::vector<FolderFrame> frame
   info_.num_frames = static_cast<std::int64_t>(frames_.size());
   info_.t_first = frames_.front().t_capture;
   info_.t_last = frames_.back().t_capture;
+  std::vector<Timestamp> times;
+  for (const FolderFrame& frame : frames_) times.push_back(frame.t_capture);
+  if (const auto sentence = StrangeRate(times)) info_.warnings.push_back(*sentence);
   CheckImageSizes();
 }
 

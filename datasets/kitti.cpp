@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "datasets/folder_sequence.h"
+#include "datasets/frame_times.h"
 #include "datasets/ground_truth.h"
 #include "datasets/image_file.h"
 #include "datasets/image_names.h"
@@ -182,6 +183,11 @@ Table<KittiTime> ReadKittiTimes(const fs::path& times) {
     return KittiTime{index, {std::llround(*t_s * 1e9)}};
   };
   Table<KittiTime> table = ReadTable<KittiTime>(times, ' ', "one time [s]", parse);
+  std::vector<Timestamp> all;
+  for (const KittiTime& row : table.rows) all.push_back(row.t);
+  const std::vector<ClockOffset> clock = OffsetsThatCountOn(all);
+  CountOn(clock, &table.rows);
+  if (const auto sentence = SentenceAbout(clock)) table.warnings.push_back(times.string() + ": " + *sentence);
   LeaveOutTimeJumps(times, "frame", &table);
   return table;
 }

@@ -17,6 +17,7 @@
 #include <terrace/terrain_v1_t.hpp>
 
 #include "core/file_bytes.h"
+#include "datasets/frame_times.h"
 #include "datasets/lcm_event_log.h"
 #include "datasets/text_table.h"
 #include "lcmtypes/calibration_codec.h"
@@ -32,7 +33,7 @@ namespace {
 /// Where a stereo pair lies in the log, and what it says before its pixels are decoded.
 struct PairEntry {
   std::int64_t offset = 0;
-  Timestamp t_capture;
+  Timestamp t;  ///< of the capture
   int width = 0;
   int height = 0;
 };
@@ -178,7 +179,13 @@ class LcmLogSequence : public Sequence {
     }
     pairs_ = std::move(contents.pairs);
     samples_ = std::move(contents.samples);
-    num_time_jumps_ = KeepRising(&pairs_, [](const PairEntry& pair) { return pair.t_capture; });
+    std::vector<Timestamp> times;
+    for (const PairEntry& pair : pairs_) times.push_back(pair.t);
+    const std::vector<ClockOffset> clock = OffsetsThatCountOn(times);
+    CountOn(clock, &pairs_);
+    CountOn(clock, &samples_.imu);
+    CountOn(clock, &samples_.priors);
+    num_time_jumps_ = KeepRising(&pairs_, [](const PairEntry& pair) { return pair.t; });
     PutInOrder(&samples_.imu, [](const ImuSample& a, const ImuSample& b) { return a.t == b.t; });
     PutInOrder(&samples_.priors,
                [](const BodyPrior& a, const BodyPrior& b) { return a.t == b.t && a.kind == b.kind; });
@@ -187,17 +194,22 @@ class LcmLogSequence : public Sequence {
     info_.path = path;
     info_.calibration = std::move(*contents.calibration);
     info_.num_frames = static_cast<std::int64_t>(pairs_.size());
-    info_.t_first = pairs_.front().t_capture;
-    info_.t_last = pairs_.back().t_capture;
+    info_.t_first = pairs_.front().t;
+    info_.t_last = pairs_.back().t;
     info_.has_imu = !samples_.imu.empty() && info_.calibration.T_body_imu;
     info_.has_attitude = HasPrior(PriorKind::kAttitude);
     info_.has_legs = HasPrior(PriorKind::kLegOdometry);
     info_.has_true_poses = !contents.true_poses.empty();
     info_.warnings = std::move(contents.warnings);
+    if (const auto sentence = SentenceAbout(clock))
+      info_.warnings.push_back(path.string() + ": " + *sentence);
     if (num_time_jumps_ > 0) {
       info_.warnings.push_back(path.string() + ": " + std::to_string(num_time_jumps_) +
                                " stereo pairs left out: their times must rise");
     }
+    times.clear();
+    for (const PairEntry& pair : pairs_) times.push_back(pair.t);
+    if (const auto sentence = StrangeRate(times)) info_.warnings.push_back(path.string() + ": " + *sentence);
     CheckCalibration();
   }
 
@@ -210,8 +222,8 @@ class LcmLogSequence : public Sequence {
     SensorFrame frame;
     frame.frame_id = static_cast<FrameId>(next_pair_);
     frame.pair = LoadPair(entry);
-    frame.samples.imu = TakeUpTo(entry.t_capture, samples_.imu, &next_imu_);
-    frame.samples.priors = TakeUpTo(entry.t_capture, samples_.priors, &next_prior_);
+    frame.samples.imu = TakeUpTo(entry.t, samples_.imu, &next_imu_);
+    frame.samples.priors = TakeUpTo(entry.t, samples_.priors, &next_prior_);
     ++next_pair_;
     return frame;
   }
@@ -240,7 +252,7 @@ class LcmLogSequence : public Sequence {
 
   StereoPair LoadPair(const PairEntry& entry) {
     StereoPair pair;
-    pair.t_capture = entry.t_capture;
+    pair.t_capture = entry.t;
     LcmEvent event;
     reader_.Seek(entry.offset);
     const bool read = reader_.Next(&event) && event.offset == entry.offset;
@@ -250,6 +262,7 @@ class LcmLogSequence : public Sequence {
       return pair;
     }
     pair = FromMessage(*message);
+    pair.t_capture = entry.t;  // where a clock was set back, another one than the message's
     const StereoCalibration& calibration = info_.calibration;
     for (const GrayImage* image : {&pair.left, &pair.right}) {
       if (!pair.problem.empty()) break;

@@ -12,14 +12,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<Sequence> OpenAs(SequenceKind kind, const fs::path& path) {
+std::unique_ptr<Sequence> OpenAs(SequenceKind kind, const fs::path& path, const ChannelConfig& channels) {
   switch (kind) {
     case SequenceKind::kEuroc:
       return OpenEurocSequence(path);
     case SequenceKind::kKitti:
       return OpenKittiSequence(path);
     case SequenceKind::kLcmLog:
-      return OpenLcmLogSequence(path);
+      return OpenLcmLogSequence(path, channels);
   }
   TERRACE_CHECK(false, static_cast<int>(kind));
 }
@@ -48,7 +48,7 @@ std::optional<SequenceKind> RecogniseSequence(const fs::path& path) {
   return std::nullopt;
 }
 
-std::unique_ptr<Sequence> OpenSequence(const fs::path& path) {
+std::unique_ptr<Sequence> OpenSequence(const fs::path& path, const ChannelConfig& channels) {
   std::error_code error;
   if (!fs::exists(path, error)) throw SequenceError(path.string() + ": no such file or folder");
   const std::optional<SequenceKind> kind = RecogniseSequence(path);
@@ -59,7 +59,7 @@ std::unique_ptr<Sequence> OpenSequence(const fs::path& path) {
         "image_0/ and image_1/, or image_2/ and image_3/) or an LCM log");
   }
   try {
-    return OpenAs(*kind, path);
+    return OpenAs(*kind, path, channels);
   } catch (const fs::filesystem_error& problem) {  // no permission, a loop of links
     throw SequenceError(problem.path1().string() + ": " + problem.code().message());
   }

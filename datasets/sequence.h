@@ -10,6 +10,7 @@
 
 #include "core/camera.h"
 #include "core/sensor_frame.h"
+#include "lcmtypes/channels.h"
 
 namespace terrace {
 
@@ -56,6 +57,7 @@ std::optional<SequenceKind> RecogniseSequence(const std::filesystem::path& path)
 
 /// Opens what `path` turns out to be: an EuRoC ASL folder, a KITTI odometry folder or an LCM log.
 /// Throws SequenceError.
-std::unique_ptr<Sequence> OpenSequence(const std::filesystem::path& path);
+/// @param channels  on which a log carries what
+std::unique_ptr<Sequence> OpenSequence(const std::filesystem::path& path, const ChannelConfig& channels = {});
 
 }  // namespace terrace

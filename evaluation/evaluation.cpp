@@ -142,7 +142,14 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
     evaluation.trajectory =
         EvaluateTrajectory(pairs, result.frames, static_cast<std::int64_t>(true_left.size()),
                            result.stats.frames + result.stats.dropped);
-    if (pairs.empty()) evaluation.notes.push_back("trajectory: no pose has a true one within 2 ms");
+    if (pairs.empty()) {
+      evaluation.trajectory.reset();
+      evaluation.notes.push_back(
+          result.trajectory.empty()
+              ? "trajectory: not measured, for the result has no poses"
+              : "trajectory: not measured, for no pose has a true one within 2 ms: is the "
+                "truth in another unit of time?");
+    }
     if (!worlds.empty()) pairs = worlds.back();
   } else {
     evaluation.notes.push_back("trajectory: the sequence has no true poses");
@@ -154,10 +161,11 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
   }
   evaluation.scene = LoadTrueScene(sequence);
   const TrueScene& scene = evaluation.scene;
-  if (pairs.empty())
-    evaluation.notes.push_back("map: not moved onto the truth, for there is no pose to do it by");
-  const Eigen::Isometry3d T_true_result =
-      pairs.empty() ? Eigen::Isometry3d::Identity() : AlignByOrientations(pairs);
+  if (pairs.empty()) {
+    evaluation.notes.push_back("map: not measured, for there is no pose to move it onto the truth by");
+    return evaluation;
+  }
+  const Eigen::Isometry3d T_true_result = AlignByOrientations(pairs);
   evaluation.map = EvaluateMap(result.map, scene, T_true_result, options);
   const std::optional<CellsOfPolygons> well_seen =
       LoadWellSeenCells(sequence, scene, result.camera, true_left);

@@ -283,7 +283,7 @@ std::string ToJson(const Evaluation& evaluation) {
   if (evaluation.consistency) json["consistency"] = ConsistencyJson(*evaluation.consistency);
   json["regions"] = RegionsJson(evaluation.regions);
   json["time"] = TimeJson(evaluation);
-  return json.dump(1) + "\n";
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string ToJson(const DisparityErrors& errors) { return ErrorsJson(errors).dump() + "\n"; }

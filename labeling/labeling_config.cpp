@@ -8,8 +8,8 @@ std::vector<std::string> RobotConfig::Problems() const {
   const auto need = [&](bool holds, const char* rule) {
     if (!holds) problems.emplace_back(rule);
   };
-  need(body_height_m > 0.0, "body_height_m must be positive");
-  need(max_step_height_m > 0.0, "max_step_height_m must be positive");
+  need(body_height_m > 0.0 && body_height_m <= 5.0, "body_height_m must be positive, at most 5");
+  need(max_step_height_m > 0.0 && max_step_height_m <= 2.0, "max_step_height_m must be positive, at most 2");
   need(max_step_reach_m > 0.0, "max_step_reach_m must be positive");
   need(foot_radius_m >= 0.0, "foot_radius_m must not be negative");
   need(max_walkway_slope_deg > 0.0, "max_walkway_slope_deg must be positive");

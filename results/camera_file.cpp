@@ -19,7 +19,7 @@ std::string CameraJson(const ResultCamera& result) {
                             {"R_rect_raw", RowMajorJson(result.R_rect_raw)},
                             {"T_body_left", result.T_body_left ? RowMajorJson(result.T_body_left->matrix())
                                                                : OrderedJson(nullptr)}};
-  return json.dump(1) + "\n";
+  return Dumped(json, 1) + "\n";
 }
 
 ResultCamera ReadCameraFile(const std::filesystem::path& path) {

@@ -30,7 +30,7 @@ std::string FrameLine(const ResultFrame& frame) {
       {"map_cells", frame.map_cells},
       {"regions", frame.regions},
       {"epoch", frame.epoch}};
-  return line.dump();
+  return Dumped(line);
 }
 
 std::vector<ResultFrame> ReadFramesFile(const std::filesystem::path& path) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,12 @@ namespace terrace {
 
 /// Members stay in the order in which they are written.
 using OrderedJson = nlohmann::ordered_json;
+
+/// Foreign text, such as names of files, may hold bytes that are no UTF-8: they are replaced, since no single
+/// frame may end a run.
+inline std::string Dumped(const OrderedJson& json, int indent = -1) {
+  return json.dump(indent, ' ', false, OrderedJson::error_handler_t::replace);
+}
 
 /// Micrometres are enough for a vertex, and keep the file a third smaller.
 inline OrderedJson PointJson(const Eigen::Vector3d& p) {

@@ -151,7 +151,7 @@ std::string TerrainMapJson(const TerrainMap& map) {
   const OrderedJson json = {
       {"format", "terrace-map"}, {"version", 1},       {"t_capture_ns", map.t_capture.ns},
       {"frame", "world"},        {"regions", regions}, {"staircases", staircases}};
-  return json.dump() + "\n";
+  return Dumped(json) + "\n";
 }
 
 TerrainMap ReadTerrainMapFile(const std::filesystem::path& path) {
@@ -171,7 +171,7 @@ TerrainMap ReadTerrainMapFile(const std::filesystem::path& path) {
 std::string StaircaseLine(const StaircaseReport& report) {
   const OrderedJson line = {{"t_capture_ns", report.t_capture.ns},
                             {"staircase", StaircaseJson(report.staircase)}};
-  return line.dump();
+  return Dumped(line);
 }
 
 std::vector<StaircaseReport> ReadStaircasesFile(const std::filesystem::path& path) {

@@ -65,7 +65,7 @@ std::string StatsJson(const ReplayStats& stats) {
                             {"gravity_source", Name(stats.gravity.source)},
                             {"latency_ms", latency},
                             {"stages", stages}};
-  return json.dump(1) + "\n";
+  return Dumped(json, 1) + "\n";
 }
 
 ReplayStats ReadStatsFile(const std::filesystem::path& path) {

@@ -26,7 +26,7 @@ std::string TracksLine(const ResultTracks& tracks) {
                       {"t_capture_ns", tracks.t_capture.ns},
                       {"keyframe", tracks.sightings.is_keyframe}};
   for (const LandmarkFate fate : kLandmarkFates) line[Name(fate)] = SightingsJson(tracks.sightings, fate);
-  return line.dump();
+  return Dumped(line);
 }
 
 std::vector<ResultTracks> ReadTracksFile(const std::filesystem::path& path) {

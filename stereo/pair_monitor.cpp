@@ -113,12 +113,17 @@ std::string PairHealth::Reason() const {
               "transferred in part",
         100.0 * std::abs(right_blank_share - left_blank_share));
   }
+  if (left_stands) return "the left camera gives the same image again and again: it is frozen";
+  if (right_stands) return "the right camera gives the same image again and again: it is frozen";
   if (different)
     return "the two images do not show the same: not of one moment, swapped, not rectified, or one of "
            "another camera";
   if (rows_off)
     return Sentence("the rows of the right image are off by %.1f px: calibrate the pair again",
                     std::abs(row_offsets.centre_px));
+  if (both_stand)
+    return "both cameras give the same images again and again: they are frozen, or it is a recording of one "
+           "pair";
   return "";
 }
 
@@ -145,6 +150,10 @@ PairHealth PairMonitor::Check(const StereoFrame& frame, const DisparityImage& di
   health.half_blank = std::abs(left.blank_share - right.blank_share) > kMuchMoreBlank;
   const bool both_show = std::max(left.blank_share, right.blank_share) < kSomethingToSee;
   health.different = both_show && health.row_offsets.num_places == 0 && health.known_share < kDifferentKnown;
+  constexpr int kStands = 2, kStandsLong = 10;  // frames
+  health.left_stands = num_same_left_ >= kStands && num_same_right_ == 0;
+  health.right_stands = num_same_right_ >= kStands && num_same_left_ == 0;
+  health.both_stand = std::min(num_same_left_, num_same_right_) >= kStandsLong;
   health.rows_off =
       health.row_offsets.num_places > 0 && health.row_offsets.Rms(frame.left.size()) > kRowsOff_px;
   return health;

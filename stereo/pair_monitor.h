@@ -30,10 +30,15 @@ struct PairHealth {
   bool left_blank = false, right_blank = false;  ///< nearly all of it
   bool half_blank = false;                       ///< much more of the one image than of the other
   bool different = false;                        ///< both show something, but not the same
-  bool rows_off = false;                         ///< so much that the rig should be calibrated again
+  bool left_stands = false;   ///< the same images again and again, while the other camera goes on
+  bool right_stands = false;  ///< likewise
+  bool both_stand = false;    ///< both cameras, for long; recordings of one pair do so, too
+  bool rows_off = false;      ///< so much that the rig should be calibrated again
 
   /// Nothing that this frame shows should enter the map.
-  bool stops_mapping() const { return left_blank || right_blank || half_blank || different; }
+  bool stops_mapping() const {
+    return left_blank || right_blank || half_blank || different || left_stands || right_stands;
+  }
   /// The gravest finding in a sentence, with what to do; empty when there is none.
   std::string Reason() const;
 };

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/standard_streams.h"
 #include "tools/commands.h"
 
 namespace {
@@ -12,9 +13,7 @@ constexpr int kDone = 0;
 constexpr int kFailed = 1;
 constexpr int kWrongUse = 2;
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int Run(int argc, char** argv) {
   CLI::App app("The toolbox of Terrace, the stereo terrain mapper.", "terrace");
   app.set_version_flag("--version", "terrace " TERRACE_VERSION);
   app.require_subcommand(1);
@@ -47,4 +46,14 @@ int main(int argc, char** argv) {
     return kFailed;
   }
   return kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  terrace::OccupyStandardStreams();
+  const int code = Run(argc, argv);
+  if (terrace::StandardOutputIsWritten() || code != kDone) return code;
+  std::fprintf(stderr, "terrace: standard output cannot be written\n");
+  return kFailed;
 }

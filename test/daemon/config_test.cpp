@@ -55,6 +55,13 @@ TEST_F(ConfigTest, AFileOverridesAnyPartAndASettingOverridesTheFile) {
   EXPECT_TRUE(config.pipeline.odometry.use_priors);
 }
 
+TEST_F(ConfigTest, TellsWhatComesTwiceOrCannotBeMeant) {
+  EXPECT_THAT(ErrorOf(File("stereo:\n  max_disparity_px: 64\n  max_disparity_px: 96\n"), {}),
+              HasSubstr("'max_disparity_px' comes twice"));
+  EXPECT_THAT(ErrorOf({}, {"robot.body_height_m=400"}), HasSubstr("body_height_m = 400"));
+  EXPECT_THAT(ErrorOf({}, {"robot.max_step_height_m=20"}), HasSubstr("max_step_height_m = 20"));
+}
+
 TEST_F(ConfigTest, ListsEveryProblemAtOnceWithFileLineKeyValueAndRule) {
   const fs::path file = File(
       "stereo:\n"

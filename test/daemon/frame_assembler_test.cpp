@@ -114,6 +114,29 @@ TEST(FrameAssemblerTest, BelievesAJumpOfTheClockThatTheNextFrameConfirms) {
   EXPECT_EQ(assembler.TakeReady(kStart)->pair.t_capture.ns, 100'033 * kMs);
 }
 
+TEST(FrameAssemblerTest, BelievesAClockThatWasSetBackOnceTwoPairsAgree) {
+  FrameAssembler assembler{LiveConfig()};
+  assembler.Add(Imu(4'000'000), kStart);
+  assembler.Add(Pair(4'000'001), kStart);
+  EXPECT_TRUE(assembler.TakeReady(kStart + milliseconds(200)));
+  assembler.Add(Pair(400'000), kStart);
+  assembler.Add(Imu(400'030), kStart);
+  assembler.Add(Imu(400'035), kStart);
+  EXPECT_FALSE(assembler.TakeAny()) << "one alone may be wild";
+  EXPECT_EQ(assembler.TakeClockChange().count(), 0);
+  assembler.Add(Pair(400'033), kStart);
+  assembler.Add(Imu(400'040), kStart);
+  const auto frame = assembler.TakeAny();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->pair.t_capture.ns, 400'033 * kMs);
+  EXPECT_EQ(assembler.TakeClockChange().count(), (400'033 - 4'000'001) * kMs);
+  EXPECT_EQ(assembler.TakeClockChange().count(), 0) << "told once";
+  assembler.Add(Pair(400'066), kStart);
+  const auto next = assembler.TakeAny();
+  ASSERT_TRUE(next);
+  EXPECT_FALSE(next->samples.imu.empty()) << "the IMU's clock is believed, too";
+}
+
 TEST(FrameAssemblerTest, CountsGapsOfTheImu) {
   FrameAssembler assembler{LiveConfig()};
   for (const int ms : {0, 5, 10, 200, 205, 205}) assembler.Add(Imu(ms), kStart);

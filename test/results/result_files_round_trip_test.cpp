@@ -32,6 +32,18 @@ class ResultFilesRoundTripTest : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(ResultFilesRoundTripTest, WritesReasonsWithBytesThatAreNoText) {
+  ResultFrame frame;
+  frame.reason =
+      "/data/Stra\xDF"
+      "e/1.png: no such file";
+  const std::vector<ResultFrame> read = ReadFramesFile(Write("frames.jsonl", FrameLine(frame) + "\n"));
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].reason,
+            "/data/Stra\xEF\xBF\xBD"
+            "e/1.png: no such file");
+}
+
 void ExpectSameRing(const Ring& a, const Ring& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR((a[i] - b[i]).norm(), 0.0, kWrittenM);

@@ -45,6 +45,30 @@ TEST(PairMonitorTest, FindsNothingWrongWithAHealthyPair) {
   EXPECT_LT(health.limit_share, 0.01);
 }
 
+TEST(PairMonitorTest, TellsWhichOfTheCamerasIsFrozen) {
+  DisparityConfig config;
+  config.max_disparity_px = 64;
+  DisparityMatcher matcher(config);
+  const StereoFrame frozen = Healthy(1);
+  for (const bool left : {true, false}) {
+    PairMonitor monitor;
+    PairHealth health;
+    for (unsigned i = 2; i < 6; ++i) {
+      StereoFrame frame = Healthy(i);
+      (left ? frame.left : frame.right) = (left ? frozen.left : frozen.right).clone();
+      health = monitor.Check(frame, matcher.Match(frame));
+    }
+    EXPECT_TRUE(health.stops_mapping());
+    EXPECT_THAT(health.Reason(),
+                HasSubstr(left ? "left camera gives the same" : "right camera gives the same"));
+  }
+  PairMonitor monitor;
+  PairHealth health;
+  for (int i = 0; i < 12; ++i) health = monitor.Check(frozen, matcher.Match(frozen));
+  EXPECT_FALSE(health.stops_mapping()) << "a recording of one pair";
+  EXPECT_THAT(health.Reason(), HasSubstr("both cameras give the same"));
+}
+
 TEST(PairMonitorTest, TellsABlankImageWhetherBlackWhiteOrCovered) {
   for (const double brightness : {0.0, 2.0, 255.0}) {
     StereoFrame frame = Healthy();
