@@ -135,7 +135,6 @@ int main(int argc, char** argv) {
   terrace::LogToStandardError();
   const int code = terrace::Run(argc, argv);
   if (terrace::StandardOutputIsWritten() || code != 0) return code;
-  std::fprintf(stderr, "terraced: standard output cannot be written
-");
+  std::fprintf(stderr, "terraced: standard output cannot be written\n");
   return terrace::kFailed;
 }
