@@ -69,18 +69,6 @@ PlanRing SimplifyPlan(const PlanRing& ring, double tolerance_m) {
   return simple.size() >= 3 ? simple : ring;
 }
 
-bool Contains(const PlanRing& ring, const Eigen::Vector2d& p) {
-  bool inside = false;
-  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-    const Eigen::Vector2d& a = ring[i];
-    const Eigen::Vector2d& b = ring[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) &&
-        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
-      inside = !inside;
-  }
-  return inside;
-}
-
 Eigen::Vector2d NearestOnRing(const PlanRing& ring, const Eigen::Vector2d& p) {
   // The labels spend most of their time here: plain numbers, no division for edges that are too far away.
   Eigen::Vector2d nearest = ring.front();

@@ -6,24 +6,19 @@
 
 #include <Eigen/Core>
 
+#include "polygonization/plane_rings.h"
+
 namespace terrace {
 
 /// A closed ring in the plan, seen from above; the first vertex is not repeated.
-using PlanRing = std::vector<Eigen::Vector2d>;
+using PlanRing = Ring2;
 
 /// The vector turned by a quarter to the left.
 inline Eigen::Vector2d LeftOf(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
-/// Positive when b points to the left of a.
-inline double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 /// The ring with vertices left out that lie closer than `tolerance_m` to what remains (Douglas and Peucker).
 /// At least three vertices remain.
 PlanRing SimplifyPlan(const PlanRing& ring, double tolerance_m);
-
-/// True inside the ring, by the number of crossings to the right.
-bool Contains(const PlanRing& ring, const Eigen::Vector2d& p);
 
 /// The point of the ring itself that is nearest to p.
 Eigen::Vector2d NearestOnRing(const PlanRing& ring, const Eigen::Vector2d& p);

@@ -6,20 +6,30 @@
 namespace terrace {
 namespace {
 
-int Sign(double value) { return value > 0.0 ? 1 : value < 0.0 ? -1 : 0; }
+/// Edges that come closer than this touch: outlines are written with six decimals.
+constexpr double kTouching_m = 5e-5;
+
+/// On which side of the line through a and b a point lies; 0 on it.
+int SideOf(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& p) {
+  const Eigen::Vector2d d = b - a;
+  const double across = Cross(d, p - a), limit = kTouching_m * d.norm();
+  return across > limit ? 1 : across < -limit ? -1 : 0;
+}
 
 bool OnSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return p.x() <= std::max(a.x(), b.x()) && p.x() >= std::min(a.x(), b.x()) &&
-         p.y() <= std::max(a.y(), b.y()) && p.y() >= std::min(a.y(), b.y());
+  return p.x() <= std::max(a.x(), b.x()) + kTouching_m && p.x() >= std::min(a.x(), b.x()) - kTouching_m &&
+         p.y() <= std::max(a.y(), b.y()) + kTouching_m && p.y() >= std::min(a.y(), b.y()) - kTouching_m;
 }
 
 bool SegmentsTouch(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
                    const Eigen::Vector2d& d) {
-  if (std::max(a.x(), b.x()) < std::min(c.x(), d.x()) || std::max(c.x(), d.x()) < std::min(a.x(), b.x()) ||
-      std::max(a.y(), b.y()) < std::min(c.y(), d.y()) || std::max(c.y(), d.y()) < std::min(a.y(), b.y()))
-    return false;
-  const int s1 = Sign(Cross(b - a, c - a)), s2 = Sign(Cross(b - a, d - a));
-  const int s3 = Sign(Cross(d - c, a - c)), s4 = Sign(Cross(d - c, b - c));
+  const auto apart = [](double from, double to, double other_from, double other_to) {
+    return std::max(from, to) + kTouching_m < std::min(other_from, other_to) ||
+           std::max(other_from, other_to) + kTouching_m < std::min(from, to);
+  };
+  if (apart(a.x(), b.x(), c.x(), d.x()) || apart(a.y(), b.y(), c.y(), d.y())) return false;
+  const int s1 = SideOf(a, b, c), s2 = SideOf(a, b, d);
+  const int s3 = SideOf(c, d, a), s4 = SideOf(c, d, b);
   if (s1 != s2 && s3 != s4) return true;
   return (s1 == 0 && OnSegment(c, a, b)) || (s2 == 0 && OnSegment(d, a, b)) ||
          (s3 == 0 && OnSegment(a, c, d)) || (s4 == 0 && OnSegment(b, c, d));
@@ -32,6 +42,16 @@ double SignedArea(const Ring2& ring) {
   for (std::size_t i = 0; i < ring.size(); ++i)
     twice += Cross(ring[i] - ring[0], ring[(i + 1) % ring.size()] - ring[0]);
   return 0.5 * twice;
+}
+
+bool Contains(const Ring2& ring, const Eigen::Vector2d& p) {
+  bool inside = false;
+  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+    const Eigen::Vector2d &a = ring[i], &b = ring[j];
+    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+    if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+  }
+  return inside;
 }
 
 std::vector<RingEdge> TouchingEdges(const std::vector<const Ring2*>& rings) {

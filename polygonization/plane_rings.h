@@ -19,6 +19,9 @@ inline double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 /// Area with sign: positive when counter-clockwise.
 double SignedArea(const Ring2& ring);
 
+/// Whether a point lies inside a ring; on the ring itself either answer may come.
+bool Contains(const Ring2& ring, const Eigen::Vector2d& p);
+
 /// The edge of rings[ring] that starts at its vertex `index`.
 struct RingEdge {
   std::size_t ring = 0;

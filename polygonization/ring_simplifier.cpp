@@ -151,6 +151,8 @@ class SimplifiedRing {
     const EdgeLine* best = nullptr;
     double least = line_reach_m_;
     for (const EdgeLine& line : edge_lines_) {
+      // The surface lies to the left of its rings. Both sides of a thin strip on one line would make them touch.
+      if (Cross(b - a, line.inside) <= 0.0) continue;
       const double middle = line.along.dot(0.5 * (a + b) - line.point);
       if (middle < line.from_m - line_reach_m_ || middle > line.to_m + line_reach_m_) continue;
       const double away =
@@ -221,6 +223,14 @@ std::vector<Ring2> SimplifyRings(const std::vector<Ring2>& traced, const Simplif
     std::vector<Ring2> coarser = SimplifiedBy(traced, tolerance, settings.line_reach_m, lines);
     // Rings that would touch get vertices back, so that coarser is not always fewer.
     if (NumVertices(coarser) < NumVertices(rings)) rings = std::move(coarser);
+  }
+  // An outline that is drawn back to a line may leave a hole beside it, which is none any more.
+  const auto outline =
+      std::find_if(rings.begin(), rings.end(), [](const Ring2& ring) { return SignedArea(ring) > 0.0; });
+  if (outline != rings.end()) {
+    const Ring2 around = *outline;
+    std::erase_if(rings,
+                  [&](const Ring2& ring) { return SignedArea(ring) < 0.0 && !Contains(around, ring[0]); });
   }
   return rings;
 }

@@ -12,8 +12,9 @@ namespace terrace {
 /// A stretch of a straight line on which edges are known to lie.
 struct EdgeLine {
   Eigen::Vector2d point;
-  Eigen::Vector2d along;  ///< unit
-  double from_m = 0.0;    ///< of the stretch, along the line from the point
+  Eigen::Vector2d along;   ///< unit
+  Eigen::Vector2d inside;  ///< unit; the side on which the surface lies
+  double from_m = 0.0;     ///< of the stretch, along the line from the point
   double to_m = 0.0;
 };
 

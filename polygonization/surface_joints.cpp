@@ -113,8 +113,9 @@ class Joint {
       if (stretch.keep == Keep::kNothing) continue;
       for (int i = stretch.begin; i < stretch.end; ++i) Paint(at(i), stretch.keep);
       const double began = from_m + stretch.begin * step, ended = from_m + (stretch.end - 1) * step;
-      if (stretch.keep != Keep::kBoth && ended - began >= kLeastStretch_m)
-        lines->push_back({line_.point, line_.along, began, ended});
+      if (stretch.keep == Keep::kBoth || ended - began < kLeastStretch_m) continue;
+      const double sign = stretch.keep == Keep::kFront ? 1.0 : -1.0;
+      lines->push_back({line_.point, line_.along, sign * line_.to_front, began, ended});
     }
   }
 

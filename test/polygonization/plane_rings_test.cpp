@@ -11,6 +11,14 @@ TEST(PlaneRingsTest, ARingHasPositiveAreaWhenItRunsCounterClockwise) {
   EXPECT_DOUBLE_EQ(SignedArea({{1, 2}, {3, 2}, {3, 1}, {1, 1}}), -2.0);
 }
 
+TEST(PlaneRingsTest, AnLContainsWhatLiesInItsArms) {
+  const Ring2 l{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  EXPECT_TRUE(Contains(l, {0.5, 1.5}));
+  EXPECT_TRUE(Contains(l, {1.5, 0.5}));
+  EXPECT_FALSE(Contains(l, {1.5, 1.5}));
+  EXPECT_FALSE(Contains(l, {-0.5, 0.5}));
+}
+
 TEST(AreSimpleTest, RefusesRingsThatCrossOrTouch) {
   const Ring2 square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   const Ring2 bow_tie{{0, 0}, {1, 1}, {1, 0}, {0, 1}};
