@@ -26,6 +26,7 @@
 #include "daemon/thread_priority.h"
 #include "datasets/calibration_file.h"
 #include "datasets/euroc.h"
+#include "lcmtypes/open_bus.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/subscribe.h"
 
@@ -74,7 +75,9 @@ class LiveNode {
         obeyer_(
             config.live.save_folder.empty() ? options.output : std::filesystem::path(config.live.save_folder),
             Actions()) {
-    if (!lcm_.good()) throw std::runtime_error("lcm.url = " + config.live.url + ": cannot be opened");
+    if (!IsOpen(lcm_))
+      throw std::runtime_error("lcm.url = " + config.live.url +
+                               ": cannot be opened; is there a network route, and for tcpq a server?");
     if (!options.output.empty()) PrepareOutputFolder(options.output, options.overwrite);
     input_.emplace(
         &lcm_, config.channels, config.live, CalibrationFrom(config.live.calibration),

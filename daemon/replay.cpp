@@ -21,6 +21,7 @@
 #include "daemon/terrain_publisher.h"
 #include "datasets/calibration_file.h"
 #include "datasets/sequence.h"
+#include "lcmtypes/open_bus.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/subscribe.h"
 
@@ -74,7 +75,9 @@ class ReplayPublisher : public FrameSink {
         publisher_(&lcm_, config.channels, pipeline->T_body_left(), config.live.snapshot_period_s),
         reporter_(&lcm_, config.channels.status, InputSource::kReplay, ConfigHash(config),
                   config.live.deadline_ms) {
-    if (!lcm_.good()) throw std::runtime_error("--publish " + url + ": cannot be opened");
+    if (!IsOpen(lcm_))
+      throw std::runtime_error("--publish " + url +
+                               ": cannot be opened; is there a network route, and for tcpq a server?");
     Subscribe<&ReplayPublisher::OnRepair>(&lcm_, config.channels.repair, this);
   }
 

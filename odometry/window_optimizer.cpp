@@ -14,7 +14,7 @@ namespace terrace {
 namespace {
 
 /// Half-way point of the Cauchy weights.
-constexpr double kSoftChi2 = 6.0;
+constexpr double kSoftResidualChi2 = 6.0;
 /// The first pose defines the world; a number keeps the matrix invertible.
 constexpr double kFirstPoseSigma = 1e-5;
 
@@ -229,10 +229,10 @@ double WindowOptimizer::AddLandmarks(const Window& window, double noise_scale, b
           Whitening(observation.measurement, Eigen::Vector3d::Zero(), 0.0) / std::sqrt(noise_scale);
       const Eigen::Vector3d r = whitening * (predicted - observation.measurement.uvd);
       const double chi2 = r.squaredNorm();
-      cost += 0.5 * kSoftChi2 * std::log1p(chi2 / kSoftChi2);
+      cost += 0.5 * kSoftResidualChi2 * std::log1p(chi2 / kSoftResidualChi2);
       if (!system) continue;
 
-      const double weight = 1.0 / (1.0 + chi2 / kSoftChi2);
+      const double weight = 1.0 / (1.0 + chi2 / kSoftResidualChi2);
       Eigen::Matrix3d by_q;
       by_q << camera_.fx * inv, 0, -camera_.fx * q.x() * inv * inv,  //
           0, camera_.fy * inv, -camera_.fy * q.y() * inv * inv,      //

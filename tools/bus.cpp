@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "lcmtypes/open_bus.h"
 #include "tools/commands.h"
 
 namespace terrace {
@@ -51,7 +52,8 @@ void HandleFor(lcm::LCM* lcm, int patience_ms) {
 }
 
 void RequireGood(lcm::LCM* lcm, const std::string& url) {
-  if (!lcm->good()) throw std::runtime_error(url + ": cannot be opened");
+  if (!IsOpen(*lcm))
+    throw std::runtime_error(url + ": cannot be opened; is there a network route, and for tcpq a server?");
 }
 
 }  // namespace terrace

@@ -14,6 +14,7 @@
 
 #include "client/terrain_client.h"
 #include "lcmtypes/channels.h"
+#include "lcmtypes/open_bus.h"
 #include "lcmtypes/pose_codec.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/status_codec.h"
@@ -104,13 +105,16 @@ void Listen(const ListenOptions& options) {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   lcm::LCM lcm(options.url);
-  if (!lcm.good()) throw std::runtime_error(options.url + ": cannot be opened");
+  if (!IsOpen(lcm))
+    throw std::runtime_error(options.url +
+                             ": cannot be opened; is there a network route, and for tcpq a server?");
   std::optional<Clock::time_point> end;
   if (options.seconds > 0.0) {
     end = Clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.seconds));
   }
   Listener listener(&lcm);
-  // Said once everything is subscribed, so that a program that starts this one knows that nothing is missed from here on.
+  // Said once everything is subscribed, so that a program that starts this one knows that nothing is missed
+  // from here on.
   std::printf("%-8s listening on %s\n", "bus", options.url.c_str());
   std::fflush(stdout);
   listener.Run(end);

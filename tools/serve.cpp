@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <lcm/lcm-cpp.hpp>
 
+#include "lcmtypes/open_bus.h"
 #include "results/replay_result.h"
 #include "tools/commands.h"
 #include "tools/result_server.h"
@@ -33,7 +34,9 @@ void Serve(const ServeOptions& options) {
   sigaction(SIGTERM, &action, nullptr);
   const ReplayResult result = ReadReplayResult(options.result);
   lcm::LCM lcm(options.url);
-  if (!lcm.good()) throw std::runtime_error(options.url + ": cannot be opened");
+  if (!IsOpen(lcm))
+    throw std::runtime_error(options.url +
+                             ": cannot be opened; is there a network route, and for tcpq a server?");
   ResultServer server(&lcm, result);
   std::printf("serving %zu regions and %zu staircases on %s until Ctrl-C\n", result.map.regions.size(),
               result.map.staircases.size(), options.url.c_str());

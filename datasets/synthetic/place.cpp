@@ -5,10 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/angles.h"
+
 namespace terrace::synthetic {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kPlaceRate_hz = 10.0;
 /// What the ordinary robot climbs, and stands on (DESIGN.md, "Labels"); boxes between the two heights would
 /// be disputed, so there are none.
@@ -44,7 +45,7 @@ Place::Place(const std::string& family, std::uint32_t seed)
   scene_.description = "A place of the family " + family + ", drawn by seed " + std::to_string(seed) + ".";
   scene_.seed = seed;
   scene_.rate_hz = kPlaceRate_hz;
-  scene_.mounting.pitch_down_rad = Draw(12.0, 32.0) * kDegree;
+  scene_.mounting.pitch_down_rad = Radians(Draw(12.0, 32.0));
   scene_.mounting.body_height_m = Draw(0.28, 0.52);
   Photometry& photometry = scene_.photometry;
   photometry.gain_right = Draw(0.96, 1.05);

@@ -12,15 +12,15 @@
 namespace terrace {
 namespace {
 
-constexpr int kWidth = 200, kHeight = 120;
+constexpr int kFringeWidth = 200, kFringeHeight = 120;
 constexpr int kEdge_u = 120;  // textured from here on to the right
 
 /// A textured surface on the right, flat sky on the left; sensor noise on both.
 cv::Mat1b SurfaceBeforeSky() {
-  cv::Mat1b image(kHeight, kWidth);
+  cv::Mat1b image(kFringeHeight, kFringeWidth);
   cv::RNG random(7);
-  for (int v = 0; v < kHeight; ++v)
-    for (int u = 0; u < kWidth; ++u)
+  for (int v = 0; v < kFringeHeight; ++v)
+    for (int u = 0; u < kFringeWidth; ++u)
       image(v, u) =
           static_cast<std::uint8_t>(u < kEdge_u ? 140 + random.uniform(-1, 2) : 40 + random.uniform(0, 60));
   return image;
@@ -28,8 +28,8 @@ cv::Mat1b SurfaceBeforeSky() {
 
 struct Matched {
   cv::Mat1b image;
-  cv::Mat1f disparity{cv::Mat1f(kHeight, kWidth, 30.0f)};
-  cv::Mat1f sigma{cv::Mat1f(kHeight, kWidth, 0.1f)};
+  cv::Mat1f disparity{cv::Mat1f(kFringeHeight, kFringeWidth, 30.0f)};
+  cv::Mat1f sigma{cv::Mat1f(kFringeHeight, kFringeWidth, 0.1f)};
 
   void Forget() {
     cv::Mat1b half;
@@ -45,11 +45,11 @@ TEST(FlatFringesTest, TakesTheFringeThatMatchingCarriesIntoTheSky) {
   matched.sigma.colRange(0, kEdge_u - kFringe_px) = kUnknownDisparity;
   matched.Forget();
   int num_beyond = 0;
-  for (int v = 0; v < kHeight; ++v) {
+  for (int v = 0; v < kFringeHeight; ++v) {
     for (int u = 0; u < kEdge_u; ++u) num_beyond += !std::isnan(matched.disparity(v, u));
-    for (int u = kEdge_u; u < kWidth; ++u) ASSERT_EQ(matched.disparity(v, u), 30.0f) << u << ' ' << v;
+    for (int u = kEdge_u; u < kFringeWidth; ++u) ASSERT_EQ(matched.disparity(v, u), 30.0f) << u << ' ' << v;
   }
-  EXPECT_LE(num_beyond, kHeight / 2);  // half a pixel in each row
+  EXPECT_LE(num_beyond, kFringeHeight / 2);  // half a pixel in each row
   EXPECT_TRUE(std::isnan(matched.sigma(60, kEdge_u - kFringe_px / 2)));
 }
 
@@ -57,9 +57,9 @@ TEST(FlatFringesTest, LeavesAFlatPlaceWithTextureAllAroundIt) {
   Matched matched{SurfaceBeforeSky()};
   matched.image.colRange(0, 30) = SurfaceBeforeSky().colRange(kEdge_u, kEdge_u + 30);
   matched.image.rowRange(0, 20).setTo(20);
-  for (int u = 0; u < kWidth; u += 2) matched.image(cv::Rect(u, 0, 1, 20)).setTo(90);
+  for (int u = 0; u < kFringeWidth; u += 2) matched.image(cv::Rect(u, 0, 1, 20)).setTo(90);
   matched.Forget();
-  EXPECT_EQ(cv::countNonZero(matched.disparity == 30.0), kWidth * kHeight);
+  EXPECT_EQ(cv::countNonZero(matched.disparity == 30.0), kFringeWidth * kFringeHeight);
 }
 
 TEST(FlatFringesTest, LeavesAFlatWallThatHasHoles) {
@@ -68,7 +68,7 @@ TEST(FlatFringesTest, LeavesAFlatWallThatHasHoles) {
   matched.disparity(hole) = kUnknownDisparity;
   matched.sigma(hole) = kUnknownDisparity;
   matched.Forget();
-  EXPECT_EQ(cv::countNonZero(matched.disparity == 30.0), kWidth * kHeight - hole.area());
+  EXPECT_EQ(cv::countNonZero(matched.disparity == 30.0), kFringeWidth * kFringeHeight - hole.area());
 }
 
 TEST(FlatFringesTest, ReachesNoFartherThanMatchingDoes) {
