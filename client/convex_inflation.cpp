@@ -48,7 +48,7 @@ Eigen::Matrix2d StretchFor(const Eigen::Matrix2d& covariance, double power) {
 
 FlatRing Inflate(const FlatPolygon& free, const Eigen::Vector2d& seed, const Inflation& how) {
   if (free.empty() || !free.Contains(seed)) return {};
-  const auto worth = [&](const FlatRing& ring) { return how.worth ? how.worth(ring) : SignedArea(ring); };
+  const auto worth = [&](const FlatRing& ring) { return how.worth ? how.worth(ring) : FlatArea(ring); };
   FlatRing best = PushedAway(free, seed, Eigen::Matrix2d::Identity());
   if (best.empty()) return {};
   double best_worth = worth(best);

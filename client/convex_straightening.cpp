@@ -82,7 +82,7 @@ class SideSearch {
   double Leaves(const Side& side) const {
     if (!(side.normal.dot(keep_inside_) < side.offset)) return 0.0;
     const FlatRing ring = Cut(without_side_, side.normal, side.offset);
-    return ring.empty() ? 0.0 : SignedArea(ring);
+    return ring.empty() ? 0.0 : FlatArea(ring);
   }
 
   FlatRing without_side_;
@@ -97,7 +97,7 @@ FlatRing Straightened(const FlatPolygon& free, FlatRing ring, const Eigen::Vecto
   constexpr double kGain = 1.002;
   const Eigen::AlignedBox2d box = free.box();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    const double before = SignedArea(ring);
+    const double before = FlatArea(ring);
     std::vector<Side> sides = SidesOf(ring);
     for (std::size_t i = 0; i < sides.size();) {
       const SideSearch search(free, WithoutSide(sides, i, box), keep_inside);
@@ -109,9 +109,9 @@ FlatRing Straightened(const FlatPolygon& free, FlatRing ring, const Eigen::Vecto
       ++i;
     }
     FlatRing straight = WithoutSide(sides, sides.size(), box);
-    if (straight.empty() || !(SignedArea(straight) > before)) break;
+    if (straight.empty() || !(FlatArea(straight) > before)) break;
     ring = std::move(straight);
-    if (SignedArea(ring) < kGain * before) break;
+    if (FlatArea(ring) < kGain * before) break;
   }
   return ring;
 }

@@ -30,7 +30,7 @@ ConvexSurface SurfaceOf(const TerrainQuery::Entry& entry, FlatRing ring) {
     surface.A.row(i) = outward.transpose();
     surface.b(i) = outward.dot(from);
   }
-  surface.area_m2 = SignedArea(ring);
+  surface.area_m2 = FlatArea(ring);
   surface.vertices = std::move(ring);
   return surface;
 }

@@ -5,7 +5,7 @@
 
 namespace terrace {
 
-double SignedArea(const FlatRing& ring) {
+double FlatArea(const FlatRing& ring) {
   double twice = 0.0;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     // Relative to the first vertex: far from the origin the plain sum loses digits.
@@ -19,7 +19,7 @@ double SignedArea(const FlatRing& ring) {
 FlatPolygon::FlatPolygon(std::vector<FlatRing> rings) : rings_(std::move(rings)) {
   std::vector<Eigen::AlignedBox2d> boxes;
   for (const FlatRing& ring : rings_) {
-    area_m2_ += SignedArea(ring);
+    area_m2_ += FlatArea(ring);
     for (std::size_t i = 0; i < ring.size(); ++i) {
       edges_.emplace_back(ring[i], ring[(i + 1) % ring.size()]);
       boxes.emplace_back(edges_.back().first);

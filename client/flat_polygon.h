@@ -17,7 +17,7 @@ namespace terrace {
 using FlatRing = std::vector<Eigen::Vector2d>;
 
 /// Area enclosed by a ring [m^2]; positive: counter-clockwise.
-double SignedArea(const FlatRing& ring);
+double FlatArea(const FlatRing& ring);
 
 /// A polygon with holes (or several polygons that do not overlap) in the axes of a plane, ready to be asked.
 /// Edges are counted through: edge i starts at vertex i of the rings laid end to end.
