@@ -151,9 +151,11 @@ PairHealth PairMonitor::Check(const StereoFrame& frame, const DisparityImage& di
   const bool both_show = std::max(left.blank_share, right.blank_share) < kSomethingToSee;
   health.different = both_show && health.row_offsets.num_places == 0 && health.known_share < kDifferentKnown;
   constexpr int kStands = 2, kStandsLong = 10;  // frames
-  health.left_stands = num_same_left_ >= kStands && num_same_right_ == 0;
-  health.right_stands = num_same_right_ >= kStands && num_same_left_ == 0;
-  health.both_stand = std::min(num_same_left_, num_same_right_) >= kStandsLong;
+  // A blank image is the same again and again, too, and that it is blank says more.
+  const bool any_blank = health.left_blank || health.right_blank;
+  health.left_stands = num_same_left_ >= kStands && num_same_right_ == 0 && !any_blank;
+  health.right_stands = num_same_right_ >= kStands && num_same_left_ == 0 && !any_blank;
+  health.both_stand = std::min(num_same_left_, num_same_right_) >= kStandsLong && !any_blank;
   health.rows_off =
       health.row_offsets.num_places > 0 && health.row_offsets.Rms(frame.left.size()) > kRowsOff_px;
   return health;
