@@ -33,6 +33,9 @@ class GravityKeeper {
   void Start(const Gravity& gravity, const Gravity& without_imu) {
     gravity_ = gravity;
     without_imu_ = without_imu;
+    num_contradictions_ = num_agreed_ = 0;
+    attitude_refused_ = false;
+    followed_ = Followed::kNobody;
   }
   /// From now on the window knows, by an IMU.
   void UseImu() { gravity_.source = GravitySource::kImu; }
@@ -49,15 +52,24 @@ class GravityKeeper {
   std::optional<std::string> TakeWarning() { return std::exchange(warning_, std::nullopt); }
 
  private:
-  bool Believes(const Eigen::Vector3d& down_world, double sigma_rad);
+  /// Whose roll and pitch have been followed since the world was laid.
+  enum class Followed { kNobody, kAttitude, kLegs };
+  struct Down {
+    Eigen::Vector3d down_world;
+    double sigma_rad = 0.0;
+  };
+  Down DownSaidBy(const BodyPrior& prior, double least_sigma_rad, const PoseEstimate& pose) const;
+  void Follow(const Down& said, Followed by);
+  bool Believes(const Down& said);
 
   OdometryConfig config_;
   Mounting mounting_;
   Gravity gravity_;
   Gravity without_imu_;
   int num_contradictions_ = 0;  ///< readings of the attitude that cannot be, less those that can
+  int num_agreed_ = 0;          ///< readings in a row, since the attitude was refused
   bool attitude_refused_ = false;
-  bool from_legs_ = false;  ///< the attitude is what the legs say: planes may know better
+  Followed followed_ = Followed::kNobody;
   std::optional<std::string> warning_;
 };
 

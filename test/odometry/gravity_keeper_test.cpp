@@ -87,6 +87,23 @@ TEST(GravityKeeperTest, RefusesAnAttitudeThatTurnsWhileTheImagesShowThatNothingD
   EXPECT_NE(warning->find("body attitude is 20 deg"), std::string::npos) << *warning;
 }
 
+TEST(GravityKeeperTest, BelievesARefusedAttitudeAgainOnceItAgrees) {
+  GravityKeeper keeper({}, CameraIsBody());
+  const Gravity mounting = Down(-Eigen::Vector3d::UnitZ(), 0.035, GravitySource::kMounting);
+  keeper.Start(mounting, mounting);
+  const PoseEstimate pose;
+  for (int i = 0; i < 20; ++i) keeper.FollowAttitude(AttitudeLeaning(0.01), pose);
+  for (int i = 0; i < 20; ++i) keeper.FollowAttitude(AttitudeLeaning(0.36), pose);
+  ASSERT_TRUE(keeper.TakeWarning());
+  for (int i = 0; i < 40; ++i) keeper.FollowAttitude(AttitudeLeaning(0.01), pose);
+  const auto warning = keeper.TakeWarning();
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("agrees with the images again"), std::string::npos) << *warning;
+  const GravityHint floor{0, -Eigen::Vector3d::UnitZ(), 1e-4};
+  keeper.Take(floor);
+  EXPECT_EQ(keeper.gravity().source, GravitySource::kAttitude) << "it knows better than floors again";
+}
+
 TEST(GravityKeeperTest, TakesRollAndPitchOfTheLegsWhereNothingIsBetter) {
   GravityKeeper keeper({}, CameraIsBody());
   const Gravity mounting = Down(-Eigen::Vector3d::UnitZ(), 0.035, GravitySource::kMounting);
