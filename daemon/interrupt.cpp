@@ -21,9 +21,9 @@ void CatchInterrupts() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGHUP, &action, nullptr);
-  // Who reads our output may go; the results are worth more. What cannot be written is told at the end.
-  std::signal(SIGPIPE, SIG_IGN);
 }
+
+void OutliveReaders() { std::signal(SIGPIPE, SIG_IGN); }
 
 bool Interrupted() { return interrupted != 0; }
 

@@ -3,9 +3,13 @@
 
 namespace terrace {
 
-/// From now on SIGINT, SIGTERM and SIGHUP only set a flag, so that results are written before the end; a
-/// second signal ends the process at once. Nor does a broken pipe end it.
+/// From now on SIGINT, SIGTERM and SIGHUP only set a flag, so that what is at hand is brought to its end; a
+/// second signal ends the process at once.
 void CatchInterrupts();
+
+/// From now on it does not end the process that whoever reads its output has gone: what cannot be written is
+/// told at the end.
+void OutliveReaders();
 
 /// True once a signal has come.
 bool Interrupted();

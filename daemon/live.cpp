@@ -75,9 +75,7 @@ class LiveNode {
         obeyer_(
             config.live.save_folder.empty() ? options.output : std::filesystem::path(config.live.save_folder),
             Actions()) {
-    if (!IsOpen(lcm_))
-      throw std::runtime_error("lcm.url = " + config.live.url +
-                               ": cannot be opened; is there a network route, and for tcpq a server?");
+    RequireOpen(lcm_, "lcm.url = " + config.live.url);
     if (!options.output.empty()) PrepareOutputFolder(options.output, options.overwrite);
     input_.emplace(
         &lcm_, config.channels, config.live, CalibrationFrom(config.live.calibration),

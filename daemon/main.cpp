@@ -100,6 +100,7 @@ int Run(int argc, char** argv) {
   }
 
   CatchInterrupts();
+  OutliveReaders();
   try {
     if (!arguments.log_file.empty()) LogToFile(arguments.log_file);
     const Config config = LoadConfig(arguments.config_file, arguments.settings);

@@ -75,9 +75,7 @@ class ReplayPublisher : public FrameSink {
         publisher_(&lcm_, config.channels, pipeline->T_body_left(), config.live.snapshot_period_s),
         reporter_(&lcm_, config.channels.status, InputSource::kReplay, ConfigHash(config),
                   config.live.deadline_ms) {
-    if (!IsOpen(lcm_))
-      throw std::runtime_error("--publish " + url +
-                               ": cannot be opened; is there a network route, and for tcpq a server?");
+    RequireOpen(lcm_, "--publish " + url);
     Subscribe<&ReplayPublisher::OnRepair>(&lcm_, config.channels.repair, this);
   }
 

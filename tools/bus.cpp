@@ -2,21 +2,14 @@
 #include "tools/bus.h"
 
 #include <cerrno>
-#include <csignal>
 #include <optional>
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
 
-#include "lcmtypes/open_bus.h"
 #include "tools/commands.h"
 
 namespace terrace {
-namespace {
-
-volatile std::sig_atomic_t tool_interrupted = 0;
-
-}  // namespace
 
 void AddBusOptions(CLI::App* command, BusOptions* options) {
   command->add_option("--config", options->config_file,
@@ -38,22 +31,8 @@ Config ConfigOf(const BusOptions& options) {
   }
 }
 
-void CatchInterruptsOfTool() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { tool_interrupted = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
-bool ToolInterrupted() { return tool_interrupted != 0; }
-
 void HandleFor(lcm::LCM* lcm, int patience_ms) {
   if (lcm->handleTimeout(patience_ms) < 0 && errno != EINTR) throw std::runtime_error("LCM has failed");
-}
-
-void RequireGood(lcm::LCM* lcm, const std::string& url) {
-  if (!IsOpen(*lcm))
-    throw std::runtime_error(url + ": cannot be opened; is there a network route, and for tcpq a server?");
 }
 
 }  // namespace terrace

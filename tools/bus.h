@@ -28,14 +28,7 @@ void AddBusOptions(CLI::App* command, BusOptions* options);
 /// problem.
 Config ConfigOf(const BusOptions& options);
 
-/// Catches Ctrl-C and SIGTERM from here on.
-void CatchInterruptsOfTool();
-bool ToolInterrupted();
-
 /// Handles what arrives within `patience_ms`. Throws when LCM has failed; a signal is no failure.
 void HandleFor(lcm::LCM* lcm, int patience_ms);
-
-/// Throws when the address cannot be opened.
-void RequireGood(lcm::LCM* lcm, const std::string& url);
 
 }  // namespace terrace

@@ -16,10 +16,12 @@
 #include <spdlog/spdlog.h>
 
 #include "core/file_bytes.h"
+#include "daemon/interrupt.h"
 #include "datasets/calibration_file.h"
 #include "datasets/lcm_log_writer.h"
 #include "lcmtypes/calibration_codec.h"
 #include "lcmtypes/image_codec.h"
+#include "lcmtypes/open_bus.h"
 #include "tools/bus.h"
 #include "tools/camera_config.h"
 #include "tools/camera_pairs.h"
@@ -47,7 +49,7 @@ class PairPublisher {
  public:
   PairPublisher(const CameraOptions& options, const Config& config, ImageEncoding encoding)
       : lcm_(config.live.url), channels_(config.channels), encoding_(encoding) {
-    RequireGood(&lcm_, config.live.url);
+    RequireOpen(lcm_, config.live.url);
     const std::string files = options.calibration.empty() ? config.live.calibration : options.calibration;
     if (!files.empty()) {
       std::vector<std::string> notes;
@@ -131,7 +133,7 @@ class CameraDriver {
   }
 
   void Run() {
-    while (!ToolInterrupted()) {
+    while (!Interrupted()) {
       try {
         Sources sources = OpenSources(options_, camera_);
         spdlog::info("{}: open, {} {}x{}", camera_.device, camera_.format, camera_.width, camera_.height);
@@ -153,7 +155,7 @@ class CameraDriver {
     constexpr std::chrono::seconds kSilent(2);
     constexpr int kPatienceMs = 20;
     auto last = Clock::now();
-    while (!ToolInterrupted()) {
+    while (!Interrupted()) {
       bool all_ended = true;
       for (std::size_t device = 0; device < sources->size(); ++device) {
         all_ended = (*sources)[device]->ended() && all_ended;
@@ -188,7 +190,7 @@ void RunCamera(const CameraOptions& options) {
   } catch (const FileError& error) {
     throw UsageError(error.what());
   }
-  CatchInterruptsOfTool();
+  CatchInterrupts();
   PairPublisher publisher(options, config, *ImageEncodingFromName(camera->encoding));
   CameraDriver(options, *camera, &publisher).Run();
   publisher.Finish();

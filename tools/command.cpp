@@ -17,6 +17,8 @@
 #include <terrace/command_reply_v1_t.hpp>
 #include <terrace/command_v1_t.hpp>
 
+#include "daemon/interrupt.h"
+#include "lcmtypes/open_bus.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/subscribe.h"
 #include "tools/bus.h"
@@ -82,14 +84,14 @@ void SendCommand(const CommandOptions& options) {
   command.request_id = static_cast<std::int64_t>(random()) << 16 ^ static_cast<std::int64_t>(random());
 
   const Config config = ConfigOf(options.bus);
-  CatchInterruptsOfTool();
+  CatchInterrupts();
   lcm::LCM lcm(config.live.url);
-  RequireGood(&lcm, config.live.url);
+  RequireOpen(lcm, config.live.url);
   const ReplyListener listener(&lcm, config.channels.reply, command.request_id);
   lcm.publish(config.channels.command, &command);
   constexpr int kStepMs = 50;
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.wait_s);
-  while (!listener.reply() && !ToolInterrupted() && std::chrono::steady_clock::now() < end)
+  while (!listener.reply() && !Interrupted() && std::chrono::steady_clock::now() < end)
     HandleFor(&lcm, kStepMs);
   if (!listener.reply())
     throw std::runtime_error("no reply on " + config.channels.reply + ": does a daemon run there?");

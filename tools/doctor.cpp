@@ -15,11 +15,13 @@
 #include <unistd.h>
 
 #include "core/print.h"
+#include "daemon/interrupt.h"
 #include "daemon/self_mask.h"
 #include "datasets/calibration_file.h"
 #include "datasets/euroc.h"
 #include "lcmtypes/calibration_codec.h"
 #include "lcmtypes/image_codec.h"
+#include "lcmtypes/open_bus.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/sensor_codec.h"
 #include "lcmtypes/status_codec.h"
@@ -54,7 +56,7 @@ class DoctorsEar {
 
   void Listen(double seconds) {
     const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-    while (Clock::now() < end && !ToolInterrupted()) HandleFor(lcm_, 50);
+    while (Clock::now() < end && !Interrupted()) HandleFor(lcm_, 50);
   }
 
   const InputWatch& inputs() const { return inputs_; }
@@ -131,8 +133,8 @@ class DoctorsEar {
 class LoopbackTrial {
  public:
   explicit LoopbackTrial(const std::string& url) : sender_(url), receiver_(url) {
-    RequireGood(&sender_, url);
-    RequireGood(&receiver_, url);
+    RequireOpen(sender_, url);
+    RequireOpen(receiver_, url);
     Subscribe<&LoopbackTrial::OnMessage>(&receiver_, kChannel, this);
   }
 
@@ -217,13 +219,13 @@ void Say(const Findings& findings, Findings* all) {
 
 void Examine(const DoctorOptions& options) {
   const Config config = ConfigOf(options.bus);
-  CatchInterruptsOfTool();
+  CatchInterrupts();
   Findings all;
   Say(JudgeHost(ReadHostFacts(config.live.url)), &all);
   std::optional<StereoCalibration> calibration;
   Say(CheckFiles(config, &calibration), &all);
   lcm::LCM lcm(config.live.url);
-  RequireGood(&lcm, config.live.url);
+  RequireOpen(lcm, config.live.url);
   DoctorsEar ear(&lcm, config);
   ear.Listen(options.seconds);
   if (!calibration) calibration = ear.calibration();

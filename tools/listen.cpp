@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -13,12 +11,14 @@
 #include <terrace/command_reply_v1_t.hpp>
 
 #include "client/terrain_client.h"
+#include "daemon/interrupt.h"
 #include "lcmtypes/channels.h"
 #include "lcmtypes/open_bus.h"
 #include "lcmtypes/pose_codec.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/status_codec.h"
 #include "lcmtypes/subscribe.h"
+#include "tools/bus.h"
 #include "tools/commands.h"
 #include "tools/terrain_words.h"
 
@@ -26,8 +26,6 @@ namespace terrace {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-volatile std::sig_atomic_t interrupted = 0;
 
 struct ListenOptions {
   std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
@@ -46,9 +44,8 @@ class Listener {
 
   void Run(std::optional<Clock::time_point> end) {
     constexpr int kPatienceMs = 100;
-    while (!interrupted && (!end || Clock::now() < *end)) {
-      // A signal makes the waiting fail, too.
-      if (lcm_->handleTimeout(kPatienceMs) < 0 && errno != EINTR) throw std::runtime_error("LCM has failed");
+    while (!Interrupted() && (!end || Clock::now() < *end)) {
+      HandleFor(lcm_, kPatienceMs);
       // Once a second is enough for a reader; small changes add up.
       if (Clock::now() >= map_due_) SayWhatChanged();
     }
@@ -100,14 +97,9 @@ class Listener {
 };
 
 void Listen(const ListenOptions& options) {
-  struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  CatchInterrupts();
   lcm::LCM lcm(options.url);
-  if (!IsOpen(lcm))
-    throw std::runtime_error(options.url +
-                             ": cannot be opened; is there a network route, and for tcpq a server?");
+  RequireOpen(lcm, options.url);
   std::optional<Clock::time_point> end;
   if (options.seconds > 0.0) {
     end = Clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.seconds));

@@ -24,6 +24,8 @@
 
 #include "core/file_bytes.h"
 #include "core/print.h"
+#include "daemon/interrupt.h"
+#include "lcmtypes/open_bus.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/subscribe.h"
 #include "tools/bus.h"
@@ -80,7 +82,7 @@ class Recorder {
   }
 
   void Run() {
-    while (!ToolInterrupted()) {
+    while (!Interrupted()) {
       HandleFor(lcm_, 50);
       if (keep_due_ && Clock::now() >= *keep_due_) Keep();
     }
@@ -183,9 +185,9 @@ class Recorder {
 void Record(const RecordOptions& options) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("terrace"));
   const Config config = ConfigOf(options.bus);
-  CatchInterruptsOfTool();
+  CatchInterrupts();
   lcm::LCM lcm(config.live.url);
-  RequireGood(&lcm, config.live.url);
+  RequireOpen(lcm, config.live.url);
   Recorder recorder(&lcm, options, config.channels);
   spdlog::info("recording the last {:.1f} min of {} into {}", options.minutes, config.live.url,
                options.folder.string());

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
@@ -10,15 +8,15 @@
 #include <CLI/CLI.hpp>
 #include <lcm/lcm-cpp.hpp>
 
+#include "daemon/interrupt.h"
 #include "lcmtypes/open_bus.h"
 #include "results/replay_result.h"
+#include "tools/bus.h"
 #include "tools/commands.h"
 #include "tools/result_server.h"
 
 namespace terrace {
 namespace {
-
-volatile std::sig_atomic_t serve_interrupted = 0;
 
 struct ServeOptions {
   std::string result;
@@ -28,25 +26,19 @@ struct ServeOptions {
 
 void Serve(const ServeOptions& options) {
   using Clock = std::chrono::steady_clock;
-  struct sigaction action {};
-  action.sa_handler = [](int) { serve_interrupted = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  CatchInterrupts();
   const ReplayResult result = ReadReplayResult(options.result);
   lcm::LCM lcm(options.url);
-  if (!IsOpen(lcm))
-    throw std::runtime_error(options.url +
-                             ": cannot be opened; is there a network route, and for tcpq a server?");
+  RequireOpen(lcm, options.url);
   ResultServer server(&lcm, result);
   std::printf("serving %zu regions and %zu staircases on %s until Ctrl-C\n", result.map.regions.size(),
               result.map.staircases.size(), options.url.c_str());
   std::fflush(stdout);
   constexpr int kPatienceMs = 20;
   const Clock::time_point start = Clock::now();
-  while (!serve_interrupted &&
+  while (!Interrupted() &&
          (options.seconds == 0.0 || Clock::now() - start < std::chrono::duration<double>(options.seconds))) {
-    // A signal makes the waiting fail, too.
-    if (lcm.handleTimeout(kPatienceMs) < 0 && errno != EINTR) throw std::runtime_error("LCM has failed");
+    HandleFor(&lcm, kPatienceMs);
     server.Tick(Clock::now());
   }
 }

@@ -10,6 +10,8 @@
 #include <CLI/CLI.hpp>
 #include <lcm/lcm-cpp.hpp>
 
+#include "daemon/interrupt.h"
+#include "lcmtypes/open_bus.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/status_codec.h"
 #include "lcmtypes/subscribe.h"
@@ -38,7 +40,7 @@ class StatusListener {
   std::optional<Status> Next(std::chrono::duration<double> patience) {
     constexpr int kStepMs = 50;
     const auto end = std::chrono::steady_clock::now() + patience;
-    while (!newest_ && !ToolInterrupted() && std::chrono::steady_clock::now() < end) HandleFor(lcm_, kStepMs);
+    while (!newest_ && !Interrupted() && std::chrono::steady_clock::now() < end) HandleFor(lcm_, kStepMs);
     return std::exchange(newest_, std::nullopt);
   }
 
@@ -61,16 +63,16 @@ void Say(const Status& status, const std::vector<Finding>& findings, bool as_jso
 
 void ShowStatus(const StatusOptions& options) {
   const Config config = ConfigOf(options.bus);
-  CatchInterruptsOfTool();
+  CatchInterrupts();
   lcm::LCM lcm(config.live.url);
-  RequireGood(&lcm, config.live.url);
+  RequireOpen(lcm, config.live.url);
   StatusListener listener(&lcm, config.channels.status);
   const std::chrono::duration<double> patience(options.wait_s);
   std::optional<Status> before;
   bool healthy = false;
   for (;;) {
     const std::optional<Status> status = listener.Next(patience);
-    if (ToolInterrupted() && !status) break;
+    if (Interrupted() && !status) break;
     if (!status) {
       const std::string text = "nothing on " + config.channels.status + " for " +
                                std::to_string(options.wait_s) +

@@ -13,6 +13,8 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "daemon/config.h"
+#include "daemon/interrupt.h"
+#include "lcmtypes/open_bus.h"
 #include "results/replay_result.h"
 #include "tools/bus.h"
 #include "tools/commands.h"
@@ -44,7 +46,7 @@ void SayWhere(const ViewServer& server, const ViewOptions& options) {
 /// Serves while `work` is called again and again, until a signal ends the program or one of both fails.
 template <typename Work>
 void ServeWhile(ViewServer* server, Work work) {
-  CatchInterruptsOfTool();
+  CatchInterrupts();
   std::atomic<bool> served = false;
   std::exception_ptr failure;
   std::thread serving([&] {
@@ -56,7 +58,7 @@ void ServeWhile(ViewServer* server, Work work) {
     served = true;
   });
   try {
-    while (!ToolInterrupted() && !served) work();
+    while (!Interrupted() && !served) work();
   } catch (...) {
     failure = std::current_exception();
   }
@@ -76,7 +78,7 @@ void ViewLive(const ViewOptions& options) {
   constexpr int kPatienceMs = 100;
   const Config config = ConfigOf(options.bus);
   lcm::LCM lcm(config.live.url);
-  RequireGood(&lcm, config.live.url);
+  RequireOpen(lcm, config.live.url);
   ViewFeed feed({"live", config.live.url, options.control});
   ViewContent content{ReadViewPage(options.page), std::nullopt, nullptr};
   if (options.control) {
