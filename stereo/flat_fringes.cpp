@@ -100,6 +100,8 @@ void ForgetFlatFringes(const cv::Mat1b& image, const cv::Mat1b& half_image, cv::
   if (after_seeds == 0) return;
   const int begin = std::max(first_seed - kReach, 0), end = std::min(after_seeds + kReach, seeds.rows);
   const cv::Mat1b steps = StepsFrom(seeds, flat, begin, end);
+  cv::Mat1b to_texture;
+  cv::distanceTransform(flat, to_texture, cv::DIST_L1, 3, CV_8U);
   const auto forget = [&](int v, int u) { disparity(v, u) = sigma(v, u) = kUnknownDisparity; };
   const auto for_each_pixel = [&](int y, int x, const auto& use) {
     for (int v = 2 * y; v < std::min(2 * y + 2, image.rows); ++v)
@@ -107,7 +109,8 @@ void ForgetFlatFringes(const cv::Mat1b& image, const cv::Mat1b& half_image, cv::
   };
   for (int y = begin; y < end; ++y) {
     for (int x = 0; x < steps.cols; ++x) {
-      if (steps(y, x) == kNotReached) continue;
+      // A wall that goes on flat behind what hides a part of it is no fringe.
+      if (steps(y, x) == kNotReached || steps(y, x) + to_texture(y, x) > kReach) continue;
       for_each_pixel(y, x, forget);
       // Beside it the image is no longer flat, since an edge runs there, on whose near side are some pixels
       // more.
