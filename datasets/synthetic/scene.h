@@ -134,10 +134,10 @@ struct Mounting {
 
 /// How the right camera stands to the left one, and what of it its calibration does not know.
 struct RightCamera {
-  bool below = false;        ///< the left one, not beside it
-  double roll_rad = 0.0;     ///< its image is turned clockwise
-  double row_shift_px = 0.0; ///< its image is lower, in its middle
-  double late_s = 0.0;       ///< its image is taken later than its time stamp says
+  bool below = false;         ///< the left one, not beside it
+  double roll_rad = 0.0;      ///< its image is turned clockwise
+  double row_shift_px = 0.0;  ///< its image is lower, in its middle
+  double late_s = 0.0;        ///< its image is taken later than its time stamp says
 
   /// Of what is built: R_left_right.
   Eigen::Matrix3d Turn(double fy_px) const;
