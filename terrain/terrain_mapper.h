@@ -51,6 +51,8 @@ class TerrainMapper {
 
   /// As the last frame left it; never null.
   const TerrainMapPtr& map() const { return parts_->labeler.map(); }
+  /// As the last frame left it; the next Update() changes it.
+  const TerrainOctree& octree() const { return parts_->octree; }
   /// Sentences for the user, new with the last frame that was added.
   const std::vector<std::string>& warnings() const { return parts_->labeler.warnings(); }
   /// What the last frame showed of the direction of gravity; none when it showed no level ground.
