@@ -18,6 +18,7 @@
 #include "daemon/interrupt.h"
 #include "daemon/live_input.h"
 #include "daemon/mapper_run.h"
+#include "daemon/request_desk.h"
 #include "daemon/service_notice.h"
 #include "daemon/sinks.h"
 #include "daemon/state_log.h"
@@ -51,11 +52,12 @@ std::optional<StereoCalibration> CalibrationFrom(const std::string& configured) 
 /// Everything that begins once the calibration is known.
 struct LiveMapper {
   LiveMapper(const LiveOptions& options, const Config& config, const StereoCalibration& calibration,
-             lcm::LCM* lcm, StatusReporter* reporter)
+             lcm::LCM* lcm, StatusReporter* reporter, RequestDesk* desk)
       : run(config.pipeline, calibration, Pace::kNewest, false),
         publisher(lcm, config.channels, run.pipeline().T_body_left(), config.live.snapshot_period_s) {
     run.Add(std::make_unique<WarningLog>());
     run.Add(std::make_unique<PublisherSink>(&publisher));
+    run.Add(std::make_unique<RequestSink>(desk, &run.pipeline(), &publisher));
     run.Add(std::make_unique<StatusSink>(reporter));
     if (!options.output.empty()) run.Add(std::make_unique<ResultFiles>(options.output, run.pipeline(), 0));
   }
@@ -74,7 +76,8 @@ class LiveNode {
                   config.live.deadline_ms),
         obeyer_(
             config.live.save_folder.empty() ? options.output : std::filesystem::path(config.live.save_folder),
-            Actions()) {
+            Actions()),
+        desk_(&lcm_, config.channels) {
     RequireOpen(lcm_, "lcm.url = " + config.live.url);
     if (!options.output.empty()) PrepareOutputFolder(options.output, options.overwrite);
     input_.emplace(
@@ -82,7 +85,8 @@ class LiveNode {
         [this](const command_v1_t& command) { Answer(command); },
         [this](const terrain_repair_v1_t& repair) {
           if (mapper_) mapper_->publisher.Answer(repair);
-        });
+        },
+        [this](const terrain_request_v1_t& request) { desk_.Take(request, Clock::now()); });
     Subscribe<&LiveNode::OnStatus>(&lcm_, config.channels.status, this);
     spdlog::info("live on {}", config.live.url);
   }
@@ -112,7 +116,8 @@ class LiveNode {
   }
 
   void StartMapper() {
-    mapper_ = std::make_unique<LiveMapper>(options_, config_, *input_->calibration(), &lcm_, &reporter_);
+    mapper_ =
+        std::make_unique<LiveMapper>(options_, config_, *input_->calibration(), &lcm_, &reporter_, &desk_);
     mapper_->run.pipeline().PauseMap(paused_);
     spdlog::info("calibration: {}", input_->calibration()->name);
   }
@@ -252,6 +257,7 @@ class LiveNode {
   lcm::LCM lcm_;
   StatusReporter reporter_;
   CommandObeyer obeyer_;
+  RequestDesk desk_;
   ServiceNotice service_;
   StateLog state_log_;
   std::optional<LiveInput> input_;

@@ -47,11 +47,13 @@ std::string SizeText(int width, int height) { return std::to_string(width) + "x"
 }  // namespace
 
 LiveInput::LiveInput(lcm::LCM* lcm, const ChannelConfig& channels, const LiveConfig& config,
-                     std::optional<StereoCalibration> calibration, OnCommand on_command, OnRepair on_repair)
+                     std::optional<StereoCalibration> calibration, OnCommand on_command, OnRepair on_repair,
+                     OnRequest on_request)
     : lcm_(lcm),
       body_pose_kind_(channels.body_pose_prior()),
       on_command_(std::move(on_command)),
       on_repair_(std::move(on_repair)),
+      on_request_(std::move(on_request)),
       calibration_(std::move(calibration)),
       assembler_(config),
       images_{"images", channels.images},
@@ -60,7 +62,8 @@ LiveInput::LiveInput(lcm::LCM* lcm, const ChannelConfig& channels, const LiveCon
       body_prior_{"body_prior", channels.body_prior},
       body_pose_{"body_pose", channels.body_pose},
       command_{"command", channels.command},
-      repair_{"repair", channels.repair} {
+      repair_{"repair", channels.repair},
+      request_{"request", channels.request} {
   Listen<&LiveInput::OnImages>(images_, kImageCapacity);
   Listen<&LiveInput::OnCalibration>(calibrations_, kOtherCapacity);
   Listen<&LiveInput::OnImu>(imu_, kSampleCapacity);
@@ -68,6 +71,7 @@ LiveInput::LiveInput(lcm::LCM* lcm, const ChannelConfig& channels, const LiveCon
   Listen<&LiveInput::OnBodyPose>(body_pose_, kSampleCapacity);
   Listen<&LiveInput::OnCommandMessage>(command_, kOtherCapacity);
   Listen<&LiveInput::OnRepairMessage>(repair_, kOtherCapacity);
+  Listen<&LiveInput::OnRequestMessage>(request_, kOtherCapacity);
 }
 
 LiveInput::~LiveInput() {
@@ -114,7 +118,8 @@ std::vector<InputStatus> LiveInput::TakeInputs() {
   const double window_s = std::max(1e-3, std::chrono::duration<double>(now - window_start_).count());
   window_start_ = now;
   std::vector<InputStatus> inputs;
-  for (Input* input : {&images_, &calibrations_, &imu_, &body_prior_, &body_pose_, &command_, &repair_}) {
+  for (Input* input :
+       {&images_, &calibrations_, &imu_, &body_prior_, &body_pose_, &command_, &repair_, &request_}) {
     if (input->channel.empty()) continue;
     InputStatus status{input->name, input->channel, input->num_messages, input->num_bad, 0.0, std::nullopt};
     status.rate_hz = static_cast<double>(std::exchange(input->num_in_window, 0)) / window_s;
@@ -194,6 +199,13 @@ void LiveInput::OnCommandMessage(Buffer* buffer, const std::string&) {
 void LiveInput::OnRepairMessage(Buffer* buffer, const std::string&) {
   Decode<terrain_repair_v1_t>(&repair_, buffer, [this](const terrain_repair_v1_t& message) {
     on_repair_(message);
+    return true;
+  });
+}
+
+void LiveInput::OnRequestMessage(Buffer* buffer, const std::string&) {
+  Decode<terrain_request_v1_t>(&request_, buffer, [this](const terrain_request_v1_t& message) {
+    on_request_(message);
     return true;
   });
 }

@@ -11,6 +11,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <terrace/command_v1_t.hpp>
 #include <terrace/terrain_repair_v1_t.hpp>
+#include <terrace/terrain_request_v1_t.hpp>
 
 #include "core/camera.h"
 #include "core/sensor_frame.h"
@@ -21,17 +22,19 @@
 
 namespace terrace {
 
-/// Listens to images, calibration, IMU, priors, commands and repairs on LCM and makes sensor frames of them.
-/// Works inside lcm.handle(): its handlers check, decode, queue and return, and nothing throws out of them.
-/// `lcm` must outlive it.
+/// Listens to images, calibration, IMU, priors, commands, repairs and requests on LCM and makes sensor frames
+/// of them. Works inside lcm.handle(): its handlers check, decode, queue and return, and nothing throws out
+/// of them. `lcm` must outlive it.
 class LiveInput {
  public:
   using OnCommand = std::function<void(const command_v1_t&)>;
   using OnRepair = std::function<void(const terrain_repair_v1_t&)>;
+  using OnRequest = std::function<void(const terrain_request_v1_t&)>;
 
   /// @param calibration  known beforehand; none: it comes as a message
   LiveInput(lcm::LCM* lcm, const ChannelConfig& channels, const LiveConfig& config,
-            std::optional<StereoCalibration> calibration, OnCommand on_command, OnRepair on_repair);
+            std::optional<StereoCalibration> calibration, OnCommand on_command, OnRepair on_repair,
+            OnRequest on_request);
   ~LiveInput();
   LiveInput(const LiveInput&) = delete;
   LiveInput& operator=(const LiveInput&) = delete;
@@ -82,6 +85,7 @@ class LiveInput {
   void OnBodyPose(Buffer* buffer, const std::string& channel);
   void OnCommandMessage(Buffer* buffer, const std::string& channel);
   void OnRepairMessage(Buffer* buffer, const std::string& channel);
+  void OnRequestMessage(Buffer* buffer, const std::string& channel);
   template <typename Message, typename Use>
   void Decode(Input* input, Buffer* buffer, Use use);
   template <auto method>
@@ -92,6 +96,7 @@ class LiveInput {
   const PriorKind body_pose_kind_;
   const OnCommand on_command_;
   const OnRepair on_repair_;
+  const OnRequest on_request_;
   std::optional<StereoCalibration> calibration_;
   std::string content_hash_;  // of the calibration message in use
   std::string calibration_problem_;
@@ -107,6 +112,7 @@ class LiveInput {
   Input body_pose_;
   Input command_;
   Input repair_;
+  Input request_;
   std::int64_t num_bad_frames_ = 0;
   std::int64_t num_decode_errors_ = 0;
 };

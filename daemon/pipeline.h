@@ -90,6 +90,8 @@ class Pipeline {
   const Eigen::Matrix3d& R_rect_raw() const { return rectifier_.R_rect_raw(); }
   const std::optional<Eigen::Isometry3d>& T_body_left() const { return mounting_.T_body_left; }
   const Gravity& gravity() const { return odometry_.gravity(); }
+  /// For the thread that maps, between two frames.
+  const TerrainOctree& octree() const { return mapper_.octree(); }
   StageMeters& meters() { return meters_; }
   /// What the map had learnt and an earlier stage did not wait for; always 0 at Pace::kEveryFrame.
   std::int64_t num_lessons_skipped() const {

@@ -13,6 +13,7 @@
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 #include <terrace/terrain_repair_v1_t.hpp>
+#include <terrace/terrain_request_v1_t.hpp>
 
 #include "daemon/interrupt.h"
 #include "daemon/mapper_run.h"
@@ -73,10 +74,13 @@ class ReplayPublisher : public FrameSink {
       : pipeline_(pipeline),
         lcm_(url),
         publisher_(&lcm_, config.channels, pipeline->T_body_left(), config.live.snapshot_period_s),
+        desk_(&lcm_, config.channels),
+        answers_(&desk_, pipeline, &publisher_),
         reporter_(&lcm_, config.channels.status, InputSource::kReplay, ConfigHash(config),
                   config.live.deadline_ms) {
     RequireOpen(lcm_, "--publish " + url);
     Subscribe<&ReplayPublisher::OnRepair>(&lcm_, config.channels.repair, this);
+    Subscribe<&ReplayPublisher::OnRequest>(&lcm_, config.channels.request, this);
   }
 
   void AddPose(const PoseEstimate& pose) override {
@@ -88,6 +92,7 @@ class ReplayPublisher : public FrameSink {
   void AddFrame(const FrameResult& result) override {
     publisher_.PublishTerrain(result.change.map);
     HandleAll();
+    answers_.AddFrame(result);
     reporter_.AddResult(result);
     if (SteadyClock::now() < status_due_) return;
     status_due_ = SteadyClock::now() + std::chrono::seconds(1);
@@ -123,6 +128,11 @@ class ReplayPublisher : public FrameSink {
     t_repair_ = SteadyClock::now();
   }
 
+  void OnRequest(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    if (const auto request = SafeDecode<terrain_request_v1_t>(buffer->data, buffer->data_size))
+      desk_.Take(*request, SteadyClock::now());
+  }
+
   void Report(DaemonState state) {
     Status status = reporter_.Take(state, &pipeline_->meters());
     publisher_.Describe(&status);
@@ -132,6 +142,8 @@ class ReplayPublisher : public FrameSink {
   Pipeline* const pipeline_;
   lcm::LCM lcm_;
   TerrainPublisher publisher_;
+  RequestDesk desk_;
+  RequestSink answers_;
   StatusReporter reporter_;
   SteadyClock::time_point status_due_;
   SteadyClock::time_point t_repair_;

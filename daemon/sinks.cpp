@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/sinks.h"
 
+#include <chrono>
 #include <string>
 
 #include <spdlog/spdlog.h>
@@ -9,6 +10,17 @@ namespace terrace {
 
 void WarningLog::AddFrame(const FrameResult& result) {
   for (const std::string& warning : result.warnings) spdlog::warn("{}", warning);
+}
+
+void RequestSink::AddFrame(const FrameResult& result) {
+  AnswerSources sources;
+  sources.map = result.change.map;
+  sources.map_id = publisher_->map_id();
+  sources.camera = &pipeline_->camera();
+  sources.octree = &pipeline_->octree();
+  sources.disparity = result.disparity;
+  if (result.pose.status != TrackingStatus::kLost) sources.T_world_left = result.pose.T_world_left;
+  desk_->Answer(sources, std::chrono::steady_clock::now());
 }
 
 void ReplayReport::AddFrame(const FrameResult& result) {

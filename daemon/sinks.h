@@ -6,6 +6,7 @@
 
 #include "daemon/frame_sink.h"
 #include "daemon/progress.h"
+#include "daemon/request_desk.h"
 #include "daemon/result_writer.h"
 #include "daemon/status_reporter.h"
 #include "daemon/summary.h"
@@ -54,6 +55,21 @@ class PublisherSink : public FrameSink {
 
  private:
   TerrainPublisher* const publisher_;
+};
+
+/// Answers to requests, after each frame.
+class RequestSink : public FrameSink {
+ public:
+  /// @param publisher  of the map, a sink before this one
+  RequestSink(RequestDesk* desk, const Pipeline* pipeline, const TerrainPublisher* publisher)
+      : desk_(desk), pipeline_(pipeline), publisher_(publisher) {}
+
+  void AddFrame(const FrameResult& result) override;
+
+ private:
+  RequestDesk* const desk_;
+  const Pipeline* const pipeline_;
+  const TerrainPublisher* const publisher_;
 };
 
 /// What the status tells of frames.

@@ -43,6 +43,8 @@ class TerrainPublisher {
   /// True as long as parts of a snapshot are still to come.
   bool sending_snapshot() const;
 
+  /// Of the map that is out; 0: there is none yet.
+  std::int64_t map_id() const { return map_id_; }
   /// Names the map that is out in a status.
   void Describe(Status* status) const;
 

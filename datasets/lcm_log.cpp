@@ -10,10 +10,12 @@
 
 #include <terrace/command_reply_v1_t.hpp>
 #include <terrace/command_v1_t.hpp>
+#include <terrace/disparity_v1_t.hpp>
 #include <terrace/height_map_v1_t.hpp>
 #include <terrace/octree_v1_t.hpp>
 #include <terrace/status_v1_t.hpp>
 #include <terrace/terrain_repair_v1_t.hpp>
+#include <terrace/terrain_request_v1_t.hpp>
 #include <terrace/terrain_v1_t.hpp>
 
 #include "core/file_bytes.h"
@@ -306,9 +308,9 @@ std::uint64_t Fingerprint(const std::vector<std::uint8_t>& data) {
 
 void NameType(LcmLogChannel* channel) {
   static const std::map<std::uint64_t, std::string> names =
-      NamesByFingerprint<body_prior_v1_t, calibration_v1_t, command_reply_v1_t, command_v1_t, height_map_v1_t,
-                         image_t, images_t, imu_v1_t, octree_v1_t, pose_t, pose_v1_t, status_v1_t,
-                         terrain_repair_v1_t, terrain_v1_t, update_t>();
+      NamesByFingerprint<body_prior_v1_t, calibration_v1_t, command_reply_v1_t, command_v1_t, disparity_v1_t,
+                         height_map_v1_t, image_t, images_t, imu_v1_t, octree_v1_t, pose_t, pose_v1_t,
+                         status_v1_t, terrain_repair_v1_t, terrain_request_v1_t, terrain_v1_t, update_t>();
   const auto name = names.find(channel->fingerprint);
   channel->known = name != names.end();
   if (channel->known) {

@@ -24,6 +24,11 @@ std::vector<std::string> ChannelConfig::Problems() const {
                                                                             {"odometry", &odometry},
                                                                             {"terrain", &terrain},
                                                                             {"repair", &repair},
+                                                                            {"request", &request},
+                                                                            {"height_map", &height_map},
+                                                                            {"octree", &octree},
+                                                                            {"disparity", &disparity},
+                                                                            {"map_box", &map_box},
                                                                             {"status", &status},
                                                                             {"true_pose", &true_pose}};
   std::vector<std::string> problems;

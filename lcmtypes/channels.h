@@ -36,6 +36,16 @@ struct ChannelConfig {
   std::string terrain = "TERRACE_TERRAIN";
   /// What subscribers lack of the terrain, `terrain_repair_v1_t`; in.
   std::string repair = "TERRACE_REPAIR";
+  /// Requests for what is not sent by itself, `terrain_request_v1_t`; in.
+  std::string request = "TERRACE_REQUEST";
+  /// Heights on a grid, `height_map_v1_t`, on request; out.
+  std::string height_map = "TERRACE_HEIGHT_MAP";
+  /// Leaves of the octree, `octree_v1_t`, on request; out.
+  std::string octree = "TERRACE_OCTREE";
+  /// The newest disparity image, `disparity_v1_t`, on request; out.
+  std::string disparity = "TERRACE_DISPARITY";
+  /// The regions in a box, `terrain_v1_t`, on request; out.
+  std::string map_box = "TERRACE_MAP_BOX";
   /// The daemon's state, `status_v1_t`; out.
   std::string status = "TERRACE_STATUS";
   /// True poses of the body in converted logs, `pose_t`; never read by the mapper.

@@ -9,6 +9,7 @@
 #include <terrace/calibration_v1_t.hpp>
 #include <terrace/command_reply_v1_t.hpp>
 #include <terrace/command_v1_t.hpp>
+#include <terrace/disparity_v1_t.hpp>
 #include <terrace/height_map_v1_t.hpp>
 #include <terrace/image_metadata_t.hpp>
 #include <terrace/image_t.hpp>
@@ -24,6 +25,7 @@
 #include <terrace/staircase_v1_t.hpp>
 #include <terrace/status_v1_t.hpp>
 #include <terrace/terrain_repair_v1_t.hpp>
+#include <terrace/terrain_request_v1_t.hpp>
 #include <terrace/terrain_v1_t.hpp>
 #include <terrace/update_t.hpp>
 
@@ -143,6 +145,15 @@ void Walk(Walker& walker, const command_reply_v1_t*) {
   walker.String();
 }
 
+void Walk(Walker& walker, const terrain_request_v1_t*) {
+  walker.Skip(8 + 8 + 1 + 4 + 4 + 1 + 8 * (3 + 3) + 8);
+}
+
+void Walk(Walker& walker, const disparity_v1_t*) {
+  walker.Skip(8 + 8 + 4 + 4 + 8 * 5 + 1 + 8 * (3 + 4));
+  walker.Skip(2 * walker.Count(2));
+}
+
 void Walk(Walker& walker, const height_map_v1_t*) {
   walker.Skip(8 + 8 + 8);
   walker.String();
@@ -251,6 +262,7 @@ template std::optional<body_prior_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<calibration_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<command_reply_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<command_v1_t> SafeDecode(const void*, std::size_t);
+template std::optional<disparity_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<height_map_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<image_metadata_t> SafeDecode(const void*, std::size_t);
 template std::optional<image_t> SafeDecode(const void*, std::size_t);
@@ -266,6 +278,7 @@ template std::optional<stage_stat_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<staircase_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<status_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<terrain_repair_v1_t> SafeDecode(const void*, std::size_t);
+template std::optional<terrain_request_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<terrain_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<update_t> SafeDecode(const void*, std::size_t);
 

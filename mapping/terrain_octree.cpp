@@ -81,6 +81,27 @@ class TerrainOctree::Impl {
     }
   }
 
+  std::vector<OccupiedLeaf> LeavesIn(const Eigen::AlignedBox3d& box_world) {
+    std::vector<OccupiedLeaf> found;
+    if (!IsCountable(box_world.min(), config_) || !IsCountable(box_world.max(), config_)) return found;
+    const LeafIndex lowest = LeafAt(box_world.min(), config_), highest = LeafAt(box_world.max(), config_);
+    const auto reaches_in = [&](const LeafIndex& corner, int size) {
+      return (corner.array() <= highest.array()).all() && (corner.array() + size > lowest.array()).all();
+    };
+    tree_.ForEachCell((lowest + highest) / 2, reaches_in,
+                      [&](const LeafTree::Node*, int slot, const LeafIndex& cell_corner) {
+                        for (const int index : tree_.cell(slot).leaves) {
+                          const Evidence& evidence = tree_.leaves().evidence(index);
+                          const LeafIndex corner =
+                              cell_corner +
+                              LeafIndex(evidence.corner[0], evidence.corner[1], evidence.corner[2]);
+                          if (evidence.occupied && reaches_in(corner, 1 << evidence.level))
+                            found.push_back({corner, evidence.level, std::max(1, evidence.credit)});
+                        }
+                      });
+    return found;
+  }
+
   std::int64_t num_leaves() const { return tree_.leaves().num_used(); }
   std::int64_t memory_bytes() const { return tree_.memory_bytes() + frame_leaves_.memory_bytes(); }
 
@@ -159,6 +180,9 @@ std::vector<CellKey> TerrainOctree::ForgetBeyond(const Eigen::Vector3d& p_world,
 }
 void TerrainOctree::CollectSurfels(const CellKey& cell, std::vector<Surfel>* surfels) const {
   impl_->CollectSurfels(cell, surfels);
+}
+std::vector<OccupiedLeaf> TerrainOctree::LeavesIn(const Eigen::AlignedBox3d& box_world) const {
+  return impl_->LeavesIn(box_world);
 }
 Eigen::Vector3d TerrainOctree::CellCentre(const CellKey& cell) const {
   return config_.cell_size_m() * (Eigen::Vector3d(cell.x, cell.y, cell.z) + Eigen::Vector3d::Constant(0.5));

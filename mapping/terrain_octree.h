@@ -6,11 +6,13 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "core/camera.h"
 #include "core/pose_estimate.h"
 #include "mapping/leaf_address.h"
 #include "mapping/mapping_config.h"
+#include "mapping/octomap_bytes.h"
 #include "stereo/cloud.h"
 
 namespace terrace {
@@ -49,6 +51,10 @@ class TerrainOctree {
 
   /// The occupied leaves of one cell, always in the same order.
   void CollectSurfels(const CellKey& cell, std::vector<Surfel>* surfels) const;
+  /// The occupied leaves that reach into a box, which may be no larger than the window; always in the same
+  /// order.
+  std::vector<OccupiedLeaf> LeavesIn(const Eigen::AlignedBox3d& box_world) const;
+  double leaf_size_m() const { return config_.leaf_size_m; }
   Eigen::Vector3d CellCentre(const CellKey& cell) const;
   double cell_size_m() const { return config_.cell_size_m(); }
 

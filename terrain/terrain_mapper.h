@@ -57,6 +57,8 @@ class TerrainMapper {
   Explanations Explain(const std::optional<std::int64_t>& only = std::nullopt) const {
     return parts_->labeler.Explain(only);
   }
+  /// As the last frame left it; the next Update() changes it.
+  const TerrainOctree& octree() const { return parts_->octree; }
   /// Sentences for the user, new with the last frame that was added.
   const std::vector<std::string>& warnings() const { return parts_->labeler.warnings(); }
   /// What the last frame showed of the direction of gravity; none when it showed no level ground.

@@ -43,7 +43,8 @@ class LiveInputTest : public testing::Test {
     input_.emplace(
         &lcm_, channels_, config_, std::move(calibration),
         [this](const command_v1_t& command) { commands_.push_back(command.command); },
-        [this](const terrain_repair_v1_t& repair) { repairs_.push_back(repair.have_seq); });
+        [this](const terrain_repair_v1_t& repair) { repairs_.push_back(repair.have_seq); },
+        [this](const terrain_request_v1_t& request) { requests_.push_back(request.request_id); });
   }
 
   template <typename Message>
@@ -64,6 +65,7 @@ class LiveInputTest : public testing::Test {
   LiveConfig config_;
   std::vector<int> commands_;
   std::vector<std::int64_t> repairs_;
+  std::vector<std::int64_t> requests_;
   lcm::LCM lcm_{"memq://"};
   std::optional<LiveInput> input_;
 };

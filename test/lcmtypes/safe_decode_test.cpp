@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <terrace/command_reply_v1_t.hpp>
 #include <terrace/command_v1_t.hpp>
+#include <terrace/disparity_v1_t.hpp>
 #include <terrace/height_map_v1_t.hpp>
 #include <terrace/octree_v1_t.hpp>
 #include <terrace/terrain_repair_v1_t.hpp>
@@ -15,6 +16,7 @@
 #include "lcmtypes/image_codec.h"
 #include "lcmtypes/pose_codec.h"
 #include "lcmtypes/region_codec.h"
+#include "lcmtypes/request_codec.h"
 #include "lcmtypes/sensor_codec.h"
 #include "lcmtypes/status_codec.h"
 #include "lcmtypes/terrain_codec.h"
@@ -80,6 +82,8 @@ TEST(SafeDecodeTest, KnowsTheLayoutOfEveryType) {
   EXPECT_EQ(static_cast<std::uint64_t>(calibration_v1_t::getHash()), 0x4954be38b9e4eb03u);
   EXPECT_EQ(static_cast<std::uint64_t>(command_reply_v1_t::getHash()), 0x6b67609e32507a49u);
   EXPECT_EQ(static_cast<std::uint64_t>(command_v1_t::getHash()), 0x929ae8a758b3dec2u);
+  EXPECT_EQ(static_cast<std::uint64_t>(disparity_v1_t::getHash()), 0xf0725489b6041877u);
+  EXPECT_EQ(static_cast<std::uint64_t>(terrain_request_v1_t::getHash()), 0x05aecb224ab43ddcu);
   EXPECT_EQ(static_cast<std::uint64_t>(height_map_v1_t::getHash()), 0x9dbaddaa84988219u);
   EXPECT_EQ(static_cast<std::uint64_t>(imu_v1_t::getHash()), 0xf5a2c2bae3b8a624u);
   EXPECT_EQ(static_cast<std::uint64_t>(octree_v1_t::getHash()), 0x617d7e509a7acc9bu);
@@ -178,6 +182,16 @@ TEST(SafeDecodeTest, SurvivesHostileGridsAndTrees) {
   tree.n_bytes = 3;
   tree.data = {1, 2, 3};
   Fuzz(tree, 15);
+  disparity_v1_t disparity{};
+  disparity.n_values = 3;
+  disparity.values = {1, 0, -2};
+  Fuzz(disparity, 20);
+}
+
+TEST(SafeDecodeTest, SurvivesHostileRequests) {
+  TerrainRequest request{7, RequestKind::kOctree, 2.0, std::chrono::seconds(9), true, {}, 0.1};
+  request.box = {Eigen::Vector3d(-1, -2, -3), Eigen::Vector3d(1, 2, 3)};
+  Fuzz(ToMessage(request), 21);
 }
 
 }  // namespace

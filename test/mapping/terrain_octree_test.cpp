@@ -266,5 +266,45 @@ TEST(MappingConfigTest, NamesEverySettingThatMakesNoSense) {
   EXPECT_EQ(config.Problems().size(), 2U);
 }
 
+TEST(TerrainOctreeTest, LeavesInABoxAreThoseWithASurfaceThatReachIntoIt) {
+  PlaneWorld world;
+  world.AddFloor(-1, 4, -2, 2, 0.1);
+  TerrainOctree octree(MappingConfig{});
+  std::mt19937 random(1);
+  for (int i = 0; i < 10; ++i) {
+    InsertView(world, LookFrom(i, 0.02 * i, 0, 0.55, 0, 0.5), &octree, &random);
+  }
+  const auto all = octree.LeavesIn({Eigen::Vector3d(-5, -5, -5), Eigen::Vector3d(5, 5, 5)});
+  EXPECT_EQ(static_cast<std::int64_t>(all.size()), [&] {
+    std::vector<Surfel> surfels;
+    std::int64_t count = 0;
+    for (int x = -16; x < 16; ++x)
+      for (int y = -16; y < 16; ++y)
+        for (int z = -16; z < 16; ++z) {
+          octree.CollectSurfels({x, y, z}, &surfels);
+          count += static_cast<std::int64_t>(surfels.size());
+        }
+    return count;
+  }());
+  ASSERT_GT(all.size(), 100u);
+
+  // The floor is in the leaves, and a box has those of all that reach into it.
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(0.805, -0.1, -1), Eigen::Vector3d(1.2, 0.1, 1));
+  const auto reaches_in = [&](const OccupiedLeaf& leaf) {
+    const Eigen::Vector3d low = octree.leaf_size_m() * leaf.corner.cast<double>();
+    const double size_m = octree.leaf_size_m() * (1 << leaf.level);
+    return box.intersects({low, low + Eigen::Vector3d::Constant(size_m - 1e-9)});
+  };
+  std::size_t num_expected = 0;
+  for (const OccupiedLeaf& leaf : all) num_expected += reaches_in(leaf) ? 1 : 0;
+  const auto some = octree.LeavesIn(box);
+  EXPECT_EQ(some.size(), num_expected);
+  ASSERT_GT(some.size(), 10u);
+  for (const OccupiedLeaf& leaf : some) {
+    EXPECT_TRUE(reaches_in(leaf));
+    EXPECT_NEAR((leaf.corner.z() + 0.5 * (1 << leaf.level)) * octree.leaf_size_m(), 0.1, 0.05);
+  }
+}
+
 }  // namespace
 }  // namespace terrace
