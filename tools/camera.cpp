@@ -136,7 +136,10 @@ class CameraDriver {
     while (!Interrupted()) {
       try {
         Sources sources = OpenSources(options_, camera_);
-        spdlog::info("{}: open, {} {}x{}", camera_.device, camera_.format, camera_.width, camera_.height);
+        if (options_.play_frames.empty())
+          spdlog::info("{}: open, {} {}x{}", camera_.device, camera_.format, camera_.width, camera_.height);
+        else
+          spdlog::info("{}: played instead of {}", options_.play_frames.string(), camera_.device);
         gone_ = false;
         if (!RunUntilGone(&sources)) break;
       } catch (const CameraGone& error) {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -14,12 +13,10 @@
 #include "core/file_bytes.h"
 #include "datasets/calibration_file.h"
 #include "datasets/ground_truth.h"
-#include "datasets/image_file.h"
-#include "datasets/image_names.h"
 #include "datasets/lcm_log_writer.h"
 #include "datasets/sequence.h"
-#include "tools/camera_pairs.h"
 #include "tools/commands.h"
+#include "tools/side_by_side.h"
 
 namespace terrace {
 namespace {
@@ -31,7 +28,7 @@ struct ConvertOptions {
   bool overwrite = false;
   bool side_by_side = false;
   std::string calibration;
-  double rate_hz = 30.0;
+  std::optional<double> rate_hz;
 };
 
 /// Gone when nobody renamed it.
@@ -73,53 +70,24 @@ struct ConvertCounts {
   }
 };
 
-/// Both images of a file, the left half and the right one; a problem where it cannot be read.
-StereoPair HalvesOf(const std::filesystem::path& file, PairMaker* halves) {
-  StereoPair pair;
-  try {
-    GrayImage both = ReadGrayImage(file);
-    if (both.width % 2 != 0)
-      throw FileError(file.string() + ": an odd width cannot be two images side by side");
-    RawFrame frame;
-    frame.width = both.width;
-    frame.height = both.height;
-    frame.data = std::move(both.data);
-    pair = *halves->Add(0, std::move(frame));
-  } catch (const FileError& error) {
-    pair.problem = error.what();
-  }
-  return pair;
-}
-
-/// A folder of images that hold both cameras side by side, named by frame or by time.
+/// Images or a video that hold both cameras side by side.
 void ConvertSideBySide(const ConvertOptions& options) {
   if (options.calibration.empty())
     throw UsageError("--side-by-side needs --calibration: images do not carry one");
   std::vector<std::string> notes;
   const StereoCalibration rig = ReadRig(SplitFileList(options.calibration), &notes);
   for (const std::string& note : notes) std::fprintf(stderr, "note: %s\n", note.c_str());
-  const ImageNames names = ListImageNames(options.sequence);
-  if (names.by_number.empty()) {
-    throw SequenceError(
-        options.sequence.string() +
-        ": holds no images that are named by frame or time; of a video ffmpeg makes them: ffmpeg -i VIDEO "
-        "FOLDER/%06d.png");
-  }
+  const NextPair next_pair = OpenSideBySide(options.sequence, options.rate_hz);
   const UnfinishedFile unfinished(options.log.string() + ".unfinished");
   LcmLogWriter writer(unfinished.path(), rig, {}, *ImageEncodingFromName(options.images));
-  PairMaker halves{CameraConfig{}};
   ConvertCounts counts;
-  for (const auto& [number, name] : names.by_number) {
+  while (std::optional<StereoPair> pair = next_pair()) {
     SensorFrame frame;
-    frame.pair = HalvesOf(options.sequence / name, &halves);
-    // Of frames that are only counted nobody knows the day: the first minute of the epoch is as good as any.
-    constexpr double kStartS = 60.0;
-    frame.pair.t_capture.ns =
-        names.are_times ? number
-                        : std::llround(1e9 * (kStartS + static_cast<double>(number) / options.rate_hz));
+    frame.pair = std::move(*pair);
     if (frame.pair.problem.empty() &&
         (frame.pair.left.width != rig.width || frame.pair.left.height != rig.height)) {
-      throw SequenceError(name + ": each half is " + std::to_string(frame.pair.left.width) + "x" +
+      throw SequenceError(options.sequence.string() + ": each half is " +
+                          std::to_string(frame.pair.left.width) + "x" +
                           std::to_string(frame.pair.left.height) + ", the calibration is for " +
                           std::to_string(rig.width) + "x" + std::to_string(rig.height));
     }
@@ -173,16 +141,16 @@ void AddConvertCommand(CLI::App& app) {
       ->check(CLI::IsMember({"raw", "lossless", "mjpeg"}))
       ->capture_default_str();
   command->add_flag("--overwrite", options->overwrite, "replace OUT");
-  command->add_flag("--side-by-side", options->side_by_side,
-                    "SEQUENCE is a folder of images that hold both cameras, named by frame or by time");
+  command->add_flag(
+      "--side-by-side", options->side_by_side,
+      "SEQUENCE holds both cameras in each image: a folder of images, named by frame or by time, or a video");
   command->add_option(
       "--calibration", options->calibration,
       "with --side-by-side: files of any tool that terrace calibration reads, commas between");
   command
       ->add_option("--rate", options->rate_hz,
-                   "with --side-by-side: frames a second, where names are no times")
-      ->check(CLI::Range(0.1, 1000.0))
-      ->capture_default_str();
+                   "with --side-by-side: frames a second; else the names or the video tell it, or it is 30")
+      ->check(CLI::Range(0.1, 1000.0));
   command->callback([options] { Convert(*options); });
 }
 

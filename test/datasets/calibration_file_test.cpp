@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/calibration_file.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/calib3d.hpp>
 
 #include "core/file_bytes.h"
 #include "core/lens.h"
 #include "datasets/rig_file.h"
 #include "datasets/sequence.h"
+#include "stereo/rectifier.h"
 #include "temporary_folder.h"
 
 namespace terrace {
@@ -520,6 +527,100 @@ TEST(CalibrationRecordingsTest, ReadsEveryFileThatPeopleHave) {
     ++num_files;
   }
   EXPECT_EQ(num_files, 32);
+}
+
+/// Files that belong together, by the numbers that they begin with, and the model of their left lens.
+struct RigOfPeople {
+  std::vector<std::string> numbers;
+  DistortionModel model;
+};
+const std::vector<RigOfPeople> kRigsOfPeople = {
+    {{"02"}, DistortionModel::kEquidistant},
+    {{"05"}, DistortionModel::kRadialTangential},
+    {{"27"}, DistortionModel::kDoubleSphere},
+    {{"29"}, DistortionModel::kExtendedUnified},
+    {{"37", "38"}, DistortionModel::kRadialTangential},
+    {{"45", "46"}, DistortionModel::kEquidistant},
+    {{"48"}, DistortionModel::kRadialTangential},
+    {{"49", "50"}, DistortionModel::kRadialTangential},
+    {{"53", "54"}, DistortionModel::kRadialTangential},
+    {{"55", "56", "57"}, DistortionModel::kRadialTangential},
+    {{"58", "59"}, DistortionModel::kRadialTangential},
+    {{"61"}, DistortionModel::kRadialTangential},
+    {{"66"}, DistortionModel::kRadialTangential},
+    {{"72"}, DistortionModel::kRadialTangential},
+};
+
+std::vector<fs::path> FilesOf(const RigOfPeople& rig, const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const std::string& number : rig.numbers)
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+      if (entry.path().filename().string().starts_with(number + "-")) files.push_back(entry.path());
+  return files;
+}
+
+/// Where OpenCV sees a point; none: it knows no such lens.
+std::optional<Eigen::Vector2d> SeenByOpenCv(const RawCamera& camera, const Eigen::Vector3d& p) {
+  const std::vector<cv::Point3d> points = {{p.x(), p.y(), p.z()}};
+  const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+  std::vector<cv::Point2d> pixels;
+  if (camera.model == DistortionModel::kRadialTangential)
+    cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), K, camera.distortion, pixels);
+  else if (camera.model == DistortionModel::kEquidistant)
+    cv::fisheye::projectPoints(points, pixels, cv::Vec3d(), cv::Vec3d(), K, camera.distortion);
+  else
+    return std::nullopt;
+  return Eigen::Vector2d(pixels[0].x, pixels[0].y);
+}
+
+/// A point of a pixel of the rectified pair, at some depth, has to be where OpenCV's lenses see it, and back
+/// from there on its pixel. What OpenCV has no lens for is held against its own equations in lens_test.cpp.
+TEST(CalibrationRecordingsTest, RectifiedRaysOfEveryRigAreThoseOfOpenCv) {
+  const char* data = std::getenv("TERRACE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "TERRACE_DATA is not set";
+  constexpr double kLargestErrorPx = 0.05;
+  constexpr double kDepthM = 3.0;
+  for (const RigOfPeople& people : kRigsOfPeople) {
+    SCOPED_TRACE(people.numbers.front());
+    const RigReading reading = ReadCalibrationFiles(FilesOf(people, fs::path(data) / "calibrations"));
+    ASSERT_TRUE(reading.rig && reading.problems.empty());
+    const StereoCalibration& rig = *reading.rig;
+    EXPECT_EQ(rig.left.model, people.model);
+    const Rectifier rectifier(rig);
+    const StereoCamera& camera = rectifier.camera();
+    const Lens left(rig.left), right(rig.right);
+    int num_seen = 0;
+    double worst_px = 0.0;
+    for (int v = 0; v < camera.height; v += 40) {
+      for (int u = 0; u < camera.width; u += 40) {
+        const Eigen::Vector3d p_left = camera.Triangulate(u, v, camera.Disparity(kDepthM));
+        const Eigen::Vector3d p_rawleft = rectifier.R_rect_raw().transpose() * p_left;
+        const Eigen::Vector3d p_rawright = rig.T_rawright_rawleft * p_rawleft;
+        const auto in_left = left.Project(p_rawleft), in_right = right.Project(p_rawright);
+        const auto seen_left = SeenByOpenCv(rig.left, p_rawleft),
+                   seen_right = SeenByOpenCv(rig.right, p_rawright);
+        if (!in_left || !in_right) continue;
+        ++num_seen;
+        if (seen_left && seen_right)
+          worst_px = std::max({worst_px, (*in_left - *seen_left).norm(), (*in_right - *seen_right).norm()});
+        // And back: the two rays meet the rectified images on one row, a disparity apart.
+        const auto ray_left = left.Unproject(*in_left), ray_right = right.Unproject(*in_right);
+        ASSERT_TRUE(ray_left && ray_right);
+        const Eigen::Matrix3d R_rect_rawright =
+            rectifier.R_rect_raw() * rig.T_rawright_rawleft.linear().transpose();
+        const Eigen::Vector3d a = rectifier.R_rect_raw() * *ray_left, b = R_rect_rawright * *ray_right;
+        const Eigen::Vector2d pixel_a(camera.fx * a.x() / a.z() + camera.cx,
+                                      camera.fy * a.y() / a.z() + camera.cy);
+        const Eigen::Vector2d pixel_b(camera.fx * b.x() / b.z() + camera.cx,
+                                      camera.fy * b.y() / b.z() + camera.cy);
+        worst_px = std::max(worst_px, (pixel_a - Eigen::Vector2d(u, v)).norm());
+        worst_px = std::max(worst_px, (pixel_b - Eigen::Vector2d(u - camera.Disparity(kDepthM), v)).norm());
+      }
+    }
+    std::printf("%s: %.4f px at most over %d pixels\n", people.numbers.front().c_str(), worst_px, num_seen);
+    EXPECT_GT(num_seen, 50);
+    EXPECT_LE(worst_px, kLargestErrorPx);
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 #include <sys/wait.h>
 
 #include "datasets/image_file.h"
@@ -83,6 +86,49 @@ TEST(ConvertTest, SplitsImagesThatHoldBothCameras) {
   EXPECT_FALSE(sequence->Next()->pair.problem.empty()) << "the file that is no image";
 }
 
+TEST(ConvertTest, SplitsAVideoThatHoldsBothCamerasByItsOwnTimes) {
+  const TemporaryFolder folder;
+  const std::string video = (folder.path() / "both.avi").string();
+  cv::VideoWriter writer(video, cv::CAP_OPENCV_MJPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10.0,
+                         {128, 48});
+  ASSERT_TRUE(writer.isOpened());
+  constexpr int kNumFrames = 6;
+  for (int i = 0; i < kNumFrames; ++i) {
+    GrayImage both = BothHalves(i);
+    cv::Mat3b colours;
+    cv::cvtColor(cv::Mat1b(both.height, both.width, both.data.data()), colours, cv::COLOR_GRAY2BGR);
+    writer.write(colours);
+  }
+  writer.release();
+  WriteText(folder.path() / "rig.yaml", RigOfSize(64, 48));
+  const std::string log = (folder.path() / "run.lcmlog").string();
+  const std::string more =
+      " --overwrite --side-by-side --calibration " + (folder.path() / "rig.yaml").string();
+  for (const auto& [option, interval] : {std::pair{"", std::chrono::milliseconds(100)},
+                                         std::pair{" --rate 20", std::chrono::milliseconds(50)}}) {
+    const auto [code, said] = RunConvert(video + " " + log + more + option);
+    ASSERT_EQ(code, 0) << said;
+    EXPECT_THAT(said, HasSubstr("6 stereo pairs (0 unreadable)"));
+    const auto sequence = OpenSequence(log);
+    std::optional<Timestamp> t_before;
+    for (int i = 0; i < kNumFrames; ++i) {
+      const auto frame = sequence->Next();
+      ASSERT_TRUE(frame && frame->pair.problem.empty());
+      // Compressed: on the average it is the same.
+      const auto mean = [](const GrayImage& image) {
+        return std::accumulate(image.data.begin(), image.data.end(), 0.0) /
+               static_cast<double>(image.data.size());
+      };
+      EXPECT_NEAR(mean(frame->pair.left), 20 + 10 * i + 3, 2.0);
+      EXPECT_NEAR(mean(frame->pair.right), 120 + 10 * i + 3, 2.0);
+      if (t_before) {
+        EXPECT_EQ(frame->pair.t_capture - *t_before, interval);
+      }
+      t_before = frame->pair.t_capture;
+    }
+  }
+}
+
 TEST(ConvertTest, RefusesToSplitWithoutACalibrationOfThatSizeOrWithoutImages) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() / "images");
@@ -91,7 +137,9 @@ TEST(ConvertTest, RefusesToSplitWithoutACalibrationOfThatSizeOrWithoutImages) {
   EXPECT_EQ(RunConvert(images + " " + log + " --side-by-side").first, 2);
   WriteText(folder.path() / "rig.yaml", RigOfSize(128, 48));
   const std::string rig = " --side-by-side --calibration " + (folder.path() / "rig.yaml").string();
-  EXPECT_THAT(RunConvert(images + " " + log + rig).second, HasSubstr("ffmpeg"));
+  EXPECT_THAT(RunConvert(images + " " + log + rig).second, HasSubstr("is no video either"));
+  EXPECT_THAT(RunConvert((folder.path() / "rig.yaml").string() + " " + log + rig).second,
+              HasSubstr("no video that can be decoded here"));
   WritePng(folder.path() / "images" / "000000.png", BothHalves(0));
   const auto [code, said] = RunConvert(images + " " + log + rig);
   EXPECT_EQ(code, 1);

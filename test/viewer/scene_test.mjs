@@ -74,7 +74,7 @@ test('draws a region in the colour of its label and a drop in vermilion', () => 
   const colourAt = async (point) => {
     const at = await placeOf(page, point);
     return page.evaluate(([x, y]) => {
-      window.terrace.view.draw();
+      window.terrace.view.drawWhole();
       const canvas = document.getElementById('scene');
       const copy = document.createElement('canvas');
       [copy.width, copy.height] = [canvas.width, canvas.height];
@@ -86,6 +86,23 @@ test('draws a region in the colour of its label and a drop in vermilion', () => 
   assert.ok(near(await colourAt([0.5, 0.5, 0]), [0, 158, 115]), 'the walkway is bluish green');
   assert.ok(near(await colourAt([-0.75, -0.75, 0.5]), [204, 121, 167]), 'the obstacle is reddish purple');
   assert.ok(near(await colourAt([0, -1.985, 0]), [213, 94, 0]), 'the band along the drop is vermilion');
+}));
+
+test('draws half as many pixels a side while a slow picture moves, and all of them at rest', () => withPage('#view=top', async (page) => {
+  const widths = await page.evaluate(async () => {
+    const { view } = window.terrace;
+    const canvas = document.getElementById('scene');
+    const nextTurn = () => new Promise((resolve) => { requestAnimationFrame(resolve); });
+    view.detail.tick = () => false;  // no clock
+    view.detail.level = 3;
+    view.applyDetail();
+    await nextTurn();
+    const moving = canvas.width;
+    view.drawWhole();
+    return [moving, canvas.width, canvas.clientWidth];
+  });
+  assert.ok(Math.abs(widths[0] - widths[2] / 2) <= 1, `half of ${widths[2]}: ${widths[0]}`);
+  assert.equal(widths[1], widths[2]);
 }));
 
 test('tells about the region that is clicked', () => withPage('#view=top', async (page) => {

@@ -242,7 +242,7 @@ export class App implements Actions {
   }
 
   picture(): void {
-    this.view.draw();
+    this.view.drawWhole();
     byId<HTMLCanvasElement>('scene').toBlob((blob) => { if (blob) download('terrace.png', blob); });
   }
 

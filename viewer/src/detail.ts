@@ -34,6 +34,20 @@ export class Detail {
     return 0.4 ** this.level;
   }
 
+  /// Of the pixels along a side, the share that is drawn.
+  get sharpness(): number {
+    return this.level === 0 ? 1 : this.level === 1 ? 0.7 : 0.5;
+  }
+
+  /// Whether bands too far away to be seen are left out.
+  get thinsBands(): boolean {
+    return this.level >= 3;
+  }
+
+  restore(): void {
+    this.set(0);
+  }
+
   private judge(intervalMs: number): boolean {
     this.meanMs += 0.3 * (intervalMs - this.meanMs);
     this.numFast = intervalMs < FAST_MS ? this.numFast + 1 : 0;

@@ -126,6 +126,17 @@ export class Surfaces {
     for (const chunk of this.chunks.values()) chunk[layer].visible = on;
   }
 
+  /// Leaves out bands that are farther away than half a pixel can show.
+  /// @param pixelsPerRad  of the picture; null: all are shown
+  thinBands(eye: Vector3, pixelsPerRad: number | null): void {
+    const LEAST_PX = 0.5;
+    for (const { bands } of this.chunks.values()) {
+      const ball = bands.geometry.boundingSphere;
+      const farM = pixelsPerRad === null || !ball ? 0 : ball.distanceToPoint(eye);
+      bands.visible = this.layers.bands && farM * LEAST_PX <= BAND_M * (pixelsPerRad ?? Infinity);
+    }
+  }
+
   showPredicted(on: boolean): void {
     this.uniforms.showPredicted.value = on ? 1 : 0;
   }

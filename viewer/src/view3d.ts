@@ -49,6 +49,7 @@ export class View3d {
   private readonly detail = new Detail();
   private readonly scene = new Scene();
   private readonly renderer: WebGLRenderer;
+  private readonly pixelRatio: number;
   private readonly grid = new GridHelper(40, 40);
   private readonly raycaster = new Raycaster();
   private measure: { line: Line; text: Sprite } | null = null;
@@ -58,7 +59,8 @@ export class View3d {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly insetFrame: HTMLElement, private readonly model: Model) {
     const software = drawsInSoftware();
     this.renderer = new WebGLRenderer({ canvas, antialias: !software, powerPreference: 'high-performance' });
-    this.renderer.setPixelRatio(software ? 1 : Math.min(2, window.devicePixelRatio));
+    this.pixelRatio = software ? 1 : Math.min(2, window.devicePixelRatio);
+    this.renderer.setPixelRatio(this.pixelRatio);
     this.cameras = new Cameras(canvas);
     this.cameras.controls.addEventListener('change', () => this.invalidate());
     this.grid.rotateX(Math.PI / 2);
@@ -204,9 +206,11 @@ export class View3d {
     this.detail.drawn();
     const size = this.renderer.getSize(new Vector2());
     this.updateTexture();
-    this.voxels.setPixelsPerRad(0.5 * size.y * this.renderer.getPixelRatio() * this.cameras.active.projectionMatrix.elements[5]);
     const camera = this.cameras.active;
+    const pixelsPerRad = 0.5 * size.y * this.renderer.getPixelRatio() * camera.projectionMatrix.elements[5];
+    this.voxels.setPixelsPerRad(pixelsPerRad);
     const flatHeightM = camera instanceof OrthographicCamera ? (camera.top - camera.bottom) / camera.zoom : null;
+    this.surfaces.thinBands(camera.position, this.detail.thinsBands && flatHeightM === null ? pixelsPerRad : null);
     this.scene.traverse((object) => { if (object instanceof Sprite) fitSprite(object, flatHeightM); });
     this.renderer.setViewport(0, 0, size.x, size.y);
     this.renderer.render(this.scene, this.cameras.active);
@@ -214,8 +218,16 @@ export class View3d {
     this.onDrawn();
   }
 
+  /// Everything and at full sharpness, also while the picture moves.
+  drawWhole(): void {
+    this.detail.restore();
+    this.applyDetail();
+    this.draw();
+  }
+
   private applyDetail(): void {
     this.voxels.draw(this.detail.share);
+    this.renderer.setPixelRatio(this.pixelRatio * this.detail.sharpness);
     // What a drop is stays; outlines are the next to be missed least.
     this.surfaces.show('lines', this.shown.get('outlines')! && this.detail.level < 2);
     this.invalidate();
