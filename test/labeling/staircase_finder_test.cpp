@@ -117,6 +117,46 @@ TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
   EXPECT_LT(rms, 1.4);
 }
 
+/// Boards one above the other, 0.155 m from each to the next, each `depth_m` deep and 0.28 m behind the last.
+/// @param floor_end_x  how far the floor is seen; the first board begins at 3
+LabelScene OpenFlight(int num_treads, double depth_m, double floor_end_x) {
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {0.5 * floor_end_x, 0, 0}, floor_end_x, 4);
+  for (int k = 1; k <= num_treads; ++k)
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + 0.28 * (k - 1) + 0.5 * depth_m, 0, 0.155 * k}, depth_m,
+                   0.95);
+  return scene;
+}
+
+std::vector<FoundStaircase> FindFromBelow(const LabelScene& scene) {
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
+  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().polygons), {}, sight, true);
+}
+
+TEST(StaircaseFinderTest, TellsAnOpenFlightByTwoTreadsWithTheFloorSeenBeneathThem) {
+  const auto found = FindFromBelow(OpenFlight(2, 0.28, 5.0));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 2);
+  EXPECT_EQ(found[0].foot_shape, 0);
+  EXPECT_NEAR(found[0].model.foot_z, 0.0, 0.003);
+}
+
+TEST(StaircaseFinderTest, TellsNoFlightByTwoTopsWithoutTheFloorBeneathThem) {
+  EXPECT_TRUE(FindFromBelow(OpenFlight(2, 0.28, 3.0)).empty());
+}
+
+TEST(StaircaseFinderTest, TakesTheFloorBeneathAnOpenFlightForItsFootAndNoTread) {
+  // Boards that reach under one another are deeper than the run.
+  const auto found = FindFromBelow(OpenFlight(3, 0.335, 5.0));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 3);
+  EXPECT_EQ(found[0].num_treads, 3);
+  EXPECT_EQ(found[0].foot_shape, 0);
+  ASSERT_EQ(found[0].members.size(), 3u);
+  EXPECT_EQ(found[0].members[0].step_index, 1);
+}
+
 TEST(StaircaseFinderTest, MissesNoRisersWhereTheyAreOpen) {
   // Three treads are in view, the next are above the image and the landing is not seen.
   LabelScene scene;
