@@ -64,7 +64,17 @@ bool SidesAgree(const std::map<StepKey, Interval>& sides) {
   return true;
 }
 
-Evidence Gather(const Flight& flight, const FlightEnds& ends) {
+/// How well the front of a tread is known. Noise along its normal moves a point that is seen at a flat angle
+/// by so much more along the view.
+double TreadFrontSigma(const RegionShape& tread, const Eigen::Vector3d& eye) {
+  constexpr double kLeastAbove = 0.05;
+  const double above = std::max(kLeastAbove, eye.z() - tread.centroid.z());
+  const double away = (tread.centroid - eye).head<2>().norm();
+  return std::hypot(kTreadFrontSigma, tread.polygon->noise_m * away / above);
+}
+
+Evidence Gather(const Flight& flight, const FlightEnds& ends, const std::vector<RegionShapePtr>& shapes,
+                const Eigen::Vector3d& eye) {
   const Stride& stride = flight.stride;
   Evidence evidence;
   std::set<int> levels, whole_faces;
@@ -90,7 +100,8 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
     const double level_z = e.riser ? e.heights.high : e.z;
     evidence.z.Add(fit.step_index, level_z - stride.z0 - fit.step_index * stride.rise,
                    e.riser ? kFaceHeightSigma : kTreadHeightSigma, share);
-    evidence.along.Add(fit.step_index, along, e.riser ? kFacePlaceSigma : kTreadFrontSigma, share);
+    evidence.along.Add(fit.step_index, along,
+                       e.riser ? kFacePlaceSigma : TreadFrontSigma(*shapes[e.shape], eye), share);
     if (e.riser) {
       // The step in front hides a part of a face from below, a strip of a neighbour makes it higher.
       const double whole = e.heights.length() / stride.rise;
@@ -189,7 +200,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
                                           const FlightEnds& ends, const Sight& sight, bool known) {
   const Stride& stride = flight.stride;
   if (ends.num_risers() < 2 || ends.num_treads() < 1) return std::nullopt;
-  Evidence evidence = Gather(flight, ends);
+  Evidence evidence = Gather(flight, ends, shapes, sight.eye());
   const int num_steps = static_cast<int>(evidence.seen.size());
   if (stride.lateral.length() < config.min_width_m || evidence.num_levels < 2) return std::nullopt;
   if (evidence.members.empty() || num_steps < 2) return std::nullopt;
@@ -238,6 +249,9 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   found.members = std::move(evidence.members);
   found.rise_sigma_m = evidence.z.SlopeSigma();
   found.run_sigma_m = RunSigma(evidence, found.model);
+  // Told with a wrong run, feet would be set wrongly: better told later.
+  constexpr double kKnownWithin = 0.2;
+  if (!known && found.run_sigma_m > kKnownWithin * stride.run) return std::nullopt;
   const int num_agreeing = sharp ? num_agreements : 0;
   const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreeing - 1.0));
   const double scatter2 = evidence.z.reduced_chi2() * std::pow(kTreadHeightSigma, 2);

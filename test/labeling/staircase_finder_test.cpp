@@ -31,14 +31,14 @@ Sight FromAbove() {
 
 /// Upper floor, lower floor and between them three strips of one incline, as wide as what is seen of the
 /// treads over the edges of the steps above, with points that leave the plane by `rms_m`.
-std::vector<RegionShapePtr> InclineInStrips(double rms_m) {
-  constexpr double kHidden = 0.15;
+/// @param hidden_m  of each tread
+std::vector<RegionShapePtr> InclineInStrips(double rms_m, double hidden_m = 0.15) {
   LabelScene scene;
   scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 2.0 * (kEdgeX - 1), 1.6);
   scene.AddLevel(TerrainLabel::kWalkway, {5.7, 0, -4 * kRiseDown}, 3, 1.6);
   const double slope = kRiseDown / kRunDown;
   for (int k = 1; k <= 3; ++k) {
-    const double front = kEdgeX + k * kRunDown, back = front - kRunDown + kHidden;
+    const double front = kEdgeX + k * kRunDown, back = front - kRunDown + hidden_m;
     const double middle = 0.5 * (front + back);
     const auto z = [&](double x) { return -k * kRiseDown - slope * (x - middle); };
     scene.Add({{{back, -0.8, z(back)}, {front, -0.8, z(front)}, {front, 0.8, z(front)}, {back, 0.8, z(back)}},
@@ -68,9 +68,18 @@ TEST(StaircaseFinderTest, FindsAFlightDownInStripsOfItsTreadsThatMergedIntoOneIn
                           [](const StepMember& m) { return m.leaning && !m.riser; }));
 }
 
+TEST(StaircaseFinderTest, FindsAFlightInStripsOfAnInclineThatAreLowerThanAStep) {
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(InclineInStrips(0.013, 0.18), {}, FromAbove(), true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 4);
+  EXPECT_NEAR(found[0].model.rise_m, kRiseDown, 0.003);
+}
+
 TEST(StaircaseFinderTest, FindsNoFlightInARampOfWhichStripsAreHidden) {
   const StaircaseFinder finder{StaircaseConfig{}};
   EXPECT_TRUE(finder.Find(InclineInStrips(0.002), {}, FromAbove(), true).empty());
+  EXPECT_TRUE(finder.Find(InclineInStrips(0.002, 0.18), {}, FromAbove(), true).empty());
 }
 
 TEST(StaircaseFinderTest, MeasuresTheRiseByTheTopsOfFacesWhoseFeetAreHidden) {
@@ -140,6 +149,20 @@ TEST(StaircaseFinderTest, TellsAnOpenFlightByTwoTreadsWithTheFloorSeenBeneathThe
   EXPECT_EQ(found[0].num_risers, 2);
   EXPECT_EQ(found[0].foot_shape, 0);
   EXPECT_NEAR(found[0].model.foot_z, 0.0, 0.003);
+}
+
+TEST(StaircaseFinderTest, TellsNoFlightWhoseRunIsNotKnown) {
+  // Noise of 8 mm, seen from 0.35 m above a tread and 1.5 m away, moves its front by 35 mm.
+  PolygonUpdate update = OpenFlight(2, 0.28, 5.0).Update();
+  for (PolygonPtr& polygon : update.polygons) {
+    auto noisy = std::make_shared<Polygon>(*polygon);
+    noisy->noise_m = 0.008;
+    polygon = noisy;
+  }
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  EXPECT_TRUE(finder.Find(ShapesOf(update.polygons), {}, sight, true).empty());
 }
 
 TEST(StaircaseFinderTest, TellsNoFlightByTwoTopsWithoutTheFloorBeneathThem) {
