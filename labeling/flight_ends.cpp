@@ -133,9 +133,13 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
       head = LevelHeight{level, z};
       ends.head_shape = shape;
     }
-    if (level < lowest + 1 && level >= lowest - 4 && behind > -slack && behind < 4.0 * stride.run &&
-        (at_feet || along.low < edge - 0.1 * stride.run) && std::abs(behind) < foot_gap) {
-      foot_gap = std::abs(behind);
+    // A floor that is long before the flight may go on beneath open steps.
+    const bool beneath = behind <= -slack && along.low < edge + stride.run - long_enough;
+    const double to_flight = beneath ? 0.0 : std::abs(behind);
+    if (level < lowest + 1 && level >= lowest - 4 && (beneath || behind > -slack) &&
+        behind < 4.0 * stride.run && (at_feet || along.low < edge - 0.1 * stride.run) &&
+        to_flight < foot_gap) {
+      foot_gap = to_flight;
       foot = LevelHeight{level, z};
       ends.foot_shape = shape;
     }

@@ -64,7 +64,17 @@ bool SidesAgree(const std::map<StepKey, Interval>& sides) {
   return true;
 }
 
-Evidence Gather(const Flight& flight, const FlightEnds& ends) {
+/// How well the front of a tread is known. Noise along its normal moves a point that is seen at a flat angle
+/// by so much more along the view.
+double TreadFrontSigma(const RegionShape& tread, const Eigen::Vector3d& eye) {
+  constexpr double kLeastAbove = 0.05;
+  const double above = std::max(kLeastAbove, eye.z() - tread.centroid.z());
+  const double away = (tread.centroid - eye).head<2>().norm();
+  return std::hypot(kTreadFrontSigma, tread.polygon->noise_m * away / above);
+}
+
+Evidence Gather(const Flight& flight, const FlightEnds& ends, const std::vector<RegionShapePtr>& shapes,
+                const Eigen::Vector3d& eye) {
   const Stride& stride = flight.stride;
   Evidence evidence;
   std::set<int> levels, whole_faces;
@@ -90,7 +100,8 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
     const double level_z = e.riser ? e.heights.high : e.z;
     evidence.z.Add(fit.step_index, level_z - stride.z0 - fit.step_index * stride.rise,
                    e.riser ? kFaceHeightSigma : kTreadHeightSigma, share);
-    evidence.along.Add(fit.step_index, along, e.riser ? kFacePlaceSigma : kTreadFrontSigma, share);
+    evidence.along.Add(fit.step_index, along,
+                       e.riser ? kFacePlaceSigma : TreadFrontSigma(*shapes[e.shape], eye), share);
     if (e.riser) {
       // The step in front hides a part of a face from below, a strip of a neighbour makes it higher.
       const double whole = e.heights.length() / stride.rise;
@@ -107,21 +118,41 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
   return evidence;
 }
 
-/// Three treads above each other with the same sides, and not one face between them where all is seen
-/// sharply: its risers are open, and none is missed.
-bool HasOpenRisers(const Evidence& evidence) {
-  constexpr int kMinTreads = 3;
+/// True when the floor at the foot is seen beneath most of the treads: no face can stand there.
+bool FloorSeenBeneath(const FlightModel& model, const FlightEnds& ends, const std::set<StepKey>& seen,
+                      const std::vector<RegionShapePtr>& shapes) {
+  if (!ends.foot_shape) return false;
+  const RegionShape& floor = *shapes[*ends.foot_shape];
+  int num_floor = 0, num = 0;
+  for (const auto& [k, riser] : seen) {
+    if (riser) continue;
+    for (const double share : {0.2, 0.4, 0.6, 0.8}) {
+      const double lateral = model.lateral.low + share * model.lateral.length();
+      ++num;
+      num_floor += floor.PlanDistance(model.EdgePoint(k + 0.5, lateral)) <= 0.0;
+    }
+  }
+  return num > 0 && 2 * num_floor >= num;
+}
+
+/// Treads above each other with the same sides, and not one face between them where all is seen sharply:
+/// three of them, or two with the floor beneath. Its risers are open, and none is missed.
+bool HasOpenRisers(const Evidence& evidence, const FlightModel& model, const FlightEnds& ends,
+                   const std::vector<RegionShapePtr>& shapes) {
+  constexpr int kEnoughTreads = 3;
   const bool any_riser =
       std::any_of(evidence.seen.begin(), evidence.seen.end(), [](const StepKey& key) { return key.second; });
-  return !any_riser && evidence.sides_agree && static_cast<int>(evidence.seen.size()) >= kMinTreads;
+  if (any_riser || !evidence.sides_agree) return false;
+  return static_cast<int>(evidence.seen.size()) >= kEnoughTreads ||
+         FloorSeenBeneath(model, ends, evidence.seen, shapes);
 }
 
 /// The steps that the camera could see from where it is, and those that were seen.
 std::set<StepKey> StepsToBeSeen(const FlightModel& model, const FlightEnds& ends, const Sight& sight,
-                                const Evidence& evidence) {
+                                const Evidence& evidence, const std::vector<RegionShapePtr>& shapes) {
   constexpr double kAboveTread = 0.05;  // lower than this over a tread, the camera sees a line of it
   std::set<StepKey> steps = evidence.seen;
-  const bool open = HasOpenRisers(evidence);
+  const bool open = HasOpenRisers(evidence, model, ends, shapes);
   for (int k = 1; k <= ends.num_risers(); ++k) {
     const Eigen::Vector2d edge = model.EdgePoint(k, model.lateral.middle());
     if (!open && model.UpAt(k).dot(edge - sight.eye().head<2>()) > 0.0) steps.insert({k, true});
@@ -169,7 +200,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
                                           const FlightEnds& ends, const Sight& sight, bool known) {
   const Stride& stride = flight.stride;
   if (ends.num_risers() < 2 || ends.num_treads() < 1) return std::nullopt;
-  Evidence evidence = Gather(flight, ends);
+  Evidence evidence = Gather(flight, ends, shapes, sight.eye());
   const int num_steps = static_cast<int>(evidence.seen.size());
   if (stride.lateral.length() < config.min_width_m || evidence.num_levels < 2) return std::nullopt;
   if (evidence.members.empty() || num_steps < 2) return std::nullopt;
@@ -181,7 +212,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   found.model.foot_z = stride.z0 + (ends.first_step - 1) * stride.rise;
   // From afar all steps are missed that are not seen: what hides and what blurs cannot be told apart.
   const bool sharp = SeenSharply(evidence.members, shapes, stride.rise);
-  const std::size_t num_to_see = sharp ? StepsToBeSeen(found.model, ends, sight, evidence).size()
+  const std::size_t num_to_see = sharp ? StepsToBeSeen(found.model, ends, sight, evidence, shapes).size()
                                        : static_cast<std::size_t>(ends.num_risers() + ends.num_treads());
   const double seen = static_cast<double>(num_steps) / static_cast<double>(num_to_see);
 
@@ -218,6 +249,9 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   found.members = std::move(evidence.members);
   found.rise_sigma_m = evidence.z.SlopeSigma();
   found.run_sigma_m = RunSigma(evidence, found.model);
+  // Told with a wrong run, feet would be set wrongly: better told later.
+  constexpr double kKnownWithin = 0.2;
+  if (!known && found.run_sigma_m > kKnownWithin * stride.run) return std::nullopt;
   const int num_agreeing = sharp ? num_agreements : 0;
   const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreeing - 1.0));
   const double scatter2 = evidence.z.reduced_chi2() * std::pow(kTreadHeightSigma, 2);

@@ -13,10 +13,13 @@ double LowestStepThatShows(const RegionShape& shape) {
   return 2.0 * kSigmas * shape.polygon->noise_m / std::max(0.1, std::cos(shape.slope_rad));
 }
 
-bool CouldBeStairs(const RegionShape& shape, const StaircaseConfig& stairs) {
+bool SteepAsStairs(const RegionShape& shape, const StaircaseConfig& stairs) {
   const double flattest = std::atan2(stairs.min_riser_m, stairs.max_tread_m);
-  return shape.slope_rad >= flattest && shape.slope_rad <= Radians(stairs.max_pitch_deg) &&
-         shape.heights().length() >= stairs.min_riser_m;
+  return shape.slope_rad >= flattest && shape.slope_rad <= Radians(stairs.max_pitch_deg);
+}
+
+bool CouldBeStairs(const RegionShape& shape, const StaircaseConfig& stairs) {
+  return SteepAsStairs(shape, stairs) && shape.heights().length() >= stairs.min_riser_m;
 }
 
 SlopeEvidence JudgeSlope(const RegionShape& shape, const StaircaseConfig& stairs) {

@@ -18,6 +18,9 @@ enum class SlopeEvidence {
 /// deviations. As the noise of a depth grows with its square, so does this height.
 double LowestStepThatShows(const RegionShape& shape);
 
+/// True when its slope is one that stairs have.
+bool SteepAsStairs(const RegionShape& shape, const StaircaseConfig& stairs);
+
 /// True when a staircase, seen badly, could look like this: as steep as stairs are, and higher than one step.
 bool CouldBeStairs(const RegionShape& shape, const StaircaseConfig& stairs);
 

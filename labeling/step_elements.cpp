@@ -14,7 +14,8 @@ namespace {
 /// from its plane, as a level strip does, and lies across the slope.
 bool MayBeStripOfTread(const StaircaseConfig& config, const RegionShape& s) {
   if (s.lean != Lean::kSupport && s.lean != Lean::kSteep) return false;
-  if (!CouldBeStairs(s, config) || JudgeSlope(s, config) != SlopeEvidence::kNotPlane) return false;
+  // One strip may be lower than a step: the residuals are those of all strips of the incline.
+  if (!SteepAsStairs(s, config) || JudgeSlope(s, config) != SlopeEvidence::kNotPlane) return false;
   const Eigen::Vector2d uphill = -s.plane.normal.head<2>().normalized();
   return std::abs(s.rectangle.short_axis().dot(uphill)) >= std::cos(Radians(config.max_turn_deg));
 }

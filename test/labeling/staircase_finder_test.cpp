@@ -31,14 +31,14 @@ Sight FromAbove() {
 
 /// Upper floor, lower floor and between them three strips of one incline, as wide as what is seen of the
 /// treads over the edges of the steps above, with points that leave the plane by `rms_m`.
-std::vector<RegionShapePtr> InclineInStrips(double rms_m) {
-  constexpr double kHidden = 0.15;
+/// @param hidden_m  of each tread
+std::vector<RegionShapePtr> InclineInStrips(double rms_m, double hidden_m = 0.15) {
   LabelScene scene;
   scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 2.0 * (kEdgeX - 1), 1.6);
   scene.AddLevel(TerrainLabel::kWalkway, {5.7, 0, -4 * kRiseDown}, 3, 1.6);
   const double slope = kRiseDown / kRunDown;
   for (int k = 1; k <= 3; ++k) {
-    const double front = kEdgeX + k * kRunDown, back = front - kRunDown + kHidden;
+    const double front = kEdgeX + k * kRunDown, back = front - kRunDown + hidden_m;
     const double middle = 0.5 * (front + back);
     const auto z = [&](double x) { return -k * kRiseDown - slope * (x - middle); };
     scene.Add({{{back, -0.8, z(back)}, {front, -0.8, z(front)}, {front, 0.8, z(front)}, {back, 0.8, z(back)}},
@@ -68,9 +68,18 @@ TEST(StaircaseFinderTest, FindsAFlightDownInStripsOfItsTreadsThatMergedIntoOneIn
                           [](const StepMember& m) { return m.leaning && !m.riser; }));
 }
 
+TEST(StaircaseFinderTest, FindsAFlightInStripsOfAnInclineThatAreLowerThanAStep) {
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(InclineInStrips(0.013, 0.18), {}, FromAbove(), true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 4);
+  EXPECT_NEAR(found[0].model.rise_m, kRiseDown, 0.003);
+}
+
 TEST(StaircaseFinderTest, FindsNoFlightInARampOfWhichStripsAreHidden) {
   const StaircaseFinder finder{StaircaseConfig{}};
   EXPECT_TRUE(finder.Find(InclineInStrips(0.002), {}, FromAbove(), true).empty());
+  EXPECT_TRUE(finder.Find(InclineInStrips(0.002, 0.18), {}, FromAbove(), true).empty());
 }
 
 TEST(StaircaseFinderTest, MeasuresTheRiseByTheTopsOfFacesWhoseFeetAreHidden) {
@@ -115,6 +124,60 @@ TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
   const double rms = std::sqrt(sum2 / num);
   EXPECT_GT(rms, 0.6);
   EXPECT_LT(rms, 1.4);
+}
+
+/// Boards one above the other, 0.155 m from each to the next, each `depth_m` deep and 0.28 m behind the last.
+/// @param floor_end_x  how far the floor is seen; the first board begins at 3
+LabelScene OpenFlight(int num_treads, double depth_m, double floor_end_x) {
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {0.5 * floor_end_x, 0, 0}, floor_end_x, 4);
+  for (int k = 1; k <= num_treads; ++k)
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + 0.28 * (k - 1) + 0.5 * depth_m, 0, 0.155 * k}, depth_m,
+                   0.95);
+  return scene;
+}
+
+std::vector<FoundStaircase> FindFromBelow(const LabelScene& scene) {
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
+  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().polygons), {}, sight, true);
+}
+
+TEST(StaircaseFinderTest, TellsAnOpenFlightByTwoTreadsWithTheFloorSeenBeneathThem) {
+  const auto found = FindFromBelow(OpenFlight(2, 0.28, 5.0));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 2);
+  EXPECT_EQ(found[0].foot_shape, 0);
+  EXPECT_NEAR(found[0].model.foot_z, 0.0, 0.003);
+}
+
+TEST(StaircaseFinderTest, TellsNoFlightWhoseRunIsNotKnown) {
+  // Noise of 8 mm, seen from 0.35 m above a tread and 1.5 m away, moves its front by 35 mm.
+  PolygonUpdate update = OpenFlight(2, 0.28, 5.0).Update();
+  for (PolygonPtr& polygon : update.polygons) {
+    auto noisy = std::make_shared<Polygon>(*polygon);
+    noisy->noise_m = 0.008;
+    polygon = noisy;
+  }
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  EXPECT_TRUE(finder.Find(ShapesOf(update.polygons), {}, sight, true).empty());
+}
+
+TEST(StaircaseFinderTest, TellsNoFlightByTwoTopsWithoutTheFloorBeneathThem) {
+  EXPECT_TRUE(FindFromBelow(OpenFlight(2, 0.28, 3.0)).empty());
+}
+
+TEST(StaircaseFinderTest, TakesTheFloorBeneathAnOpenFlightForItsFootAndNoTread) {
+  // Boards that reach under one another are deeper than the run.
+  const auto found = FindFromBelow(OpenFlight(3, 0.335, 5.0));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 3);
+  EXPECT_EQ(found[0].num_treads, 3);
+  EXPECT_EQ(found[0].foot_shape, 0);
+  ASSERT_EQ(found[0].members.size(), 3u);
+  EXPECT_EQ(found[0].members[0].step_index, 1);
 }
 
 TEST(StaircaseFinderTest, MissesNoRisersWhereTheyAreOpen) {

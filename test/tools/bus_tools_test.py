@@ -158,7 +158,11 @@ def check_with_input(terrace, log, folder):
     assert rates["images"] > 0 and rates["imu"] > 0, rates
     code, reply, complaint = terrace.run("command", "save-map", "map.json", "--url", URL)
     assert code == DONE and reply == f"{folder}/map.json\n", (reply, complaint)
-    assert json.loads(pathlib.Path(folder, "map.json").read_text())["format"] == "terrace-map"
+    saved = json.loads(pathlib.Path(folder, "map.json").read_text())
+    assert saved["format"] == "terrace-map"
+    region = saved["regions"][0]
+    code, reply, complaint = terrace.run("command", "explain", str(region["id"]), "--url", URL)
+    assert code == DONE and reply.startswith(f"region {region['id']}: {region['label']}"), (reply, complaint)
     # Two seconds after the last image.
     time.sleep(2.0)
     code, page, _ = terrace.run("status", "--url", URL)
