@@ -86,7 +86,7 @@ class ReplayPublisher : public FrameSink {
   }
 
   void AddFrame(const FrameResult& result) override {
-    publisher_.PublishTerrain(result.change.map);
+    publisher_.PublishTerrain(result.change);
     HandleAll();
     reporter_.AddResult(result);
     if (SteadyClock::now() < status_due_) return;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/map_change.h"
 #include "core/pose_estimate.h"
 #include "core/terrain_map.h"
 #include "labeling/labeling_config.h"
@@ -27,7 +28,8 @@ class TerrainLabeler {
   ~TerrainLabeler();
 
   /// @param pose  where the camera is now: what is reachable is reachable from there
-  TerrainMapPtr Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity);
+  /// @return the map and what became of it; octree and memory are not counted
+  MapChange Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity);
 
   /// Sentences for the user, new with the last frame.
   const std::vector<std::string>& warnings() const;
