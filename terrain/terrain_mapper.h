@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "core/camera.h"
+#include "core/explanation.h"
 #include "core/map_change.h"
 #include "core/pose_estimate.h"
 #include "core/stage_meter.h"
@@ -52,6 +53,11 @@ class TerrainMapper {
 
   /// As the last frame left it; never null.
   const TerrainMapPtr& map() const { return parts_->labeler.map(); }
+  /// Why regions and staircases are what map() says, in words and numbers.
+  /// @param only  the id of one region or staircase (either may have it); none: all
+  Explanations Explain(const std::optional<std::int64_t>& only = std::nullopt) const {
+    return parts_->labeler.Explain(only);
+  }
   /// Sentences for the user, new with the last frame that was added.
   const std::vector<std::string>& warnings() const { return parts_->labeler.warnings(); }
   /// What the last frame showed of the direction of gravity; none when it showed no level ground.
