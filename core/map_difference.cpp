@@ -21,8 +21,9 @@ void SideBySide(const Items& before, const Items& after, IdOf id, Gone gone, Fre
   for (; old != before.end(); ++old) gone(*old);
 }
 
-/// In everything but when it was seen.
-bool SameStaircase(const Staircase& a, const Staircase& b) {
+}  // namespace
+
+bool SameBesidesTime(const Staircase& a, const Staircase& b) {
   return a.num_risers == b.num_risers && a.num_treads == b.num_treads && a.riser_m == b.riser_m &&
          a.riser_sigma_m == b.riser_sigma_m && a.tread_m == b.tread_m && a.tread_sigma_m == b.tread_sigma_m &&
          a.width_m == b.width_m && a.foot_edge_world == b.foot_edge_world &&
@@ -30,8 +31,6 @@ bool SameStaircase(const Staircase& a, const Staircase& b) {
          a.turn_per_step_rad == b.turn_per_step_rad && a.pitch_rad == b.pitch_rad &&
          a.confidence == b.confidence && a.region_ids == b.region_ids;
 }
-
-}  // namespace
 
 MapDifference DifferenceBetween(const TerrainMap& before, const TerrainMap& after) {
   using RegionPtr = std::shared_ptr<const TerrainRegion>;
@@ -53,7 +52,7 @@ MapDifference DifferenceBetween(const TerrainMap& before, const TerrainMap& afte
       [&](const Staircase& staircase) { difference.removed_staircases.push_back(staircase.id); },
       [&](const Staircase& staircase) { difference.changed_staircases.push_back(staircase.id); },
       [&](const Staircase& old, const Staircase& staircase) {
-        if (!SameStaircase(old, staircase)) difference.changed_staircases.push_back(staircase.id);
+        if (!SameBesidesTime(old, staircase)) difference.changed_staircases.push_back(staircase.id);
       });
   return difference;
 }

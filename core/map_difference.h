@@ -18,6 +18,9 @@ struct MapDifference {
   std::vector<std::int64_t> removed_staircases;
 };
 
+/// True when two staircases are the same in everything but when they were seen.
+bool SameBesidesTime(const Staircase& a, const Staircase& b);
+
 /// By looking at both maps whole. Both ascend by id.
 MapDifference DifferenceBetween(const TerrainMap& before, const TerrainMap& after);
 

@@ -90,7 +90,7 @@ class ReplayPublisher : public FrameSink {
   }
 
   void AddFrame(const FrameResult& result) override {
-    publisher_.PublishTerrain(result.change.map);
+    publisher_.PublishTerrain(result.change);
     HandleAll();
     answers_.AddFrame(result);
     reporter_.AddResult(result);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/result_writer.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -94,7 +95,7 @@ void ResultWriter::AddFrame(const FrameResult& result, std::optional<double> lat
   line.regions = static_cast<std::int64_t>(result.change.map->regions.size());
   line.epoch = pose.epoch;
   frames_ << FrameLine(line) << '\n';
-  AddStaircases(*result.change.map);
+  AddStaircases(result.change);
   // Told when it happens, and not after an hour.
   if (!trajectory_ || !frames_ || !staircases_)
     throw std::runtime_error(dir_.string() + ": results could not be written: is the disk full?");
@@ -111,8 +112,11 @@ void ResultWriter::AddFrame(const FrameResult& result, std::optional<double> lat
   map_ = result.change.map;
 }
 
-void ResultWriter::AddStaircases(const TerrainMap& map) {
+void ResultWriter::AddStaircases(const MapChange& change) {
+  const TerrainMap& map = *change.map;
   for (const Staircase& staircase : map.staircases) {
+    const auto& changed = change.changed_staircases;
+    if (change.before && !std::binary_search(changed.begin(), changed.end(), staircase.id)) continue;
     // By itself, so that the time does not count as a change.
     const std::string text = StaircaseLine({{}, staircase});
     std::string& written = staircase_lines_[staircase.id];

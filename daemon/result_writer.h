@@ -45,7 +45,7 @@ class ResultWriter {
 
  private:
   void WriteDisparity(const DisparityImage& disparity) const;
-  void AddStaircases(const TerrainMap& map);
+  void AddStaircases(const MapChange& change);
 
   const std::filesystem::path dir_;
   const int save_disparity_every_;

@@ -51,7 +51,7 @@ class PublisherSink : public FrameSink {
   explicit PublisherSink(TerrainPublisher* publisher) : publisher_(publisher) {}
 
   void AddPose(const PoseEstimate& pose) override { publisher_->PublishPose(pose); }
-  void AddFrame(const FrameResult& result) override { publisher_->PublishTerrain(result.change.map); }
+  void AddFrame(const FrameResult& result) override { publisher_->PublishTerrain(result.change); }
 
  private:
   TerrainPublisher* const publisher_;

@@ -45,9 +45,9 @@ void TerrainPublisher::PublishPose(const PoseEstimate& pose) {
   t_pose_ = pose.t_capture;
 }
 
-void TerrainPublisher::PublishTerrain(const TerrainMapPtr& map) {
+void TerrainPublisher::PublishTerrain(const MapChange& change) {
   const std::lock_guard lock(mutex_);
-  Send(sender_.Update(map, Now()));
+  Send(sender_.Update(change, Now()));
   map_id_ = sender_.map_id();
 }
 

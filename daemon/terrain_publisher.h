@@ -13,6 +13,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <terrace/terrain_repair_v1_t.hpp>
 
+#include "core/map_change.h"
 #include "core/pose_estimate.h"
 #include "core/status.h"
 #include "core/terrain_map.h"
@@ -32,8 +33,8 @@ class TerrainPublisher {
 
   /// The pose of one frame; does not wait for terrain that is being sent.
   void PublishPose(const PoseEstimate& pose);
-  /// The map as one frame left it.
-  void PublishTerrain(const TerrainMapPtr& map);
+  /// What one frame did to the map.
+  void PublishTerrain(const MapChange& change);
   /// Sends a subscriber what it lacks.
   void Answer(const terrain_repair_v1_t& repair);
   /// Sends what is due by the clock. To be called every 20 ms or so.

@@ -57,7 +57,8 @@ TerrainSender::TerrainSender(std::optional<Eigen::Isometry3d> T_body_left,
                              std::chrono::nanoseconds snapshot_period, std::int64_t first_map_id)
     : T_body_left_(std::move(T_body_left)), snapshot_period_(snapshot_period), first_map_id_(first_map_id) {}
 
-std::vector<TerrainSender::Packet> TerrainSender::Update(const TerrainMapPtr& map, Time now) {
+std::vector<TerrainSender::Packet> TerrainSender::Update(const MapChange& change, Time now) {
+  const TerrainMapPtr& map = change.map;
   std::vector<Packet> out;
   if (!map_ || map_->map_id != map->map_id) {
     steps_.clear();
@@ -67,15 +68,17 @@ std::vector<TerrainSender::Packet> TerrainSender::Update(const TerrainMapPtr& ma
     t_seen_list_ = now;
     BeginSnapshot(now);
   } else {
-    SendDelta(map, now, &out);
+    SendDelta(change, now, &out);
   }
   std::vector<Packet> due = Tick(now);
   out.insert(out.end(), std::make_move_iterator(due.begin()), std::make_move_iterator(due.end()));
   return out;
 }
 
-void TerrainSender::SendDelta(const TerrainMapPtr& map, Time now, std::vector<Packet>* out) {
-  const MapDifference difference = DifferenceBetween(*map_, *map);
+void TerrainSender::SendDelta(const MapChange& change, Time now, std::vector<Packet>* out) {
+  const TerrainMapPtr& map = change.map;
+  const MapDifference difference =
+      change.before == map_ ? static_cast<const MapDifference&>(change) : DifferenceBetween(*map_, *map);
   NoteSeen(*map, difference.seen);
   const std::int64_t base_seq = map_->seq;
   map_ = map;

@@ -14,6 +14,7 @@
 #include <terrace/terrain_repair_v1_t.hpp>
 #include <terrace/terrain_v1_t.hpp>
 
+#include "core/map_change.h"
 #include "core/terrain_map.h"
 #include "lcmtypes/terrain_codec.h"
 
@@ -34,8 +35,9 @@ class TerrainSender {
   TerrainSender(std::optional<Eigen::Isometry3d> T_body_left, std::chrono::nanoseconds snapshot_period,
                 std::int64_t first_map_id);
 
-  /// A map came out of a frame, changed or not.
-  std::vector<Packet> Update(const TerrainMapPtr& map, Time now);
+  /// A map came out of a frame, changed or not. Where the change does not start from the map that was sent
+  /// last, the two maps are compared whole.
+  std::vector<Packet> Update(const MapChange& change, Time now);
   /// What a subscriber lacks.
   std::vector<Packet> Answer(const terrain_repair_v1_t& repair, Time now);
   /// What is due by the clock. To be called every 20 ms or so.
@@ -70,7 +72,7 @@ class TerrainSender {
     Time t_advanced;
   };
 
-  void SendDelta(const TerrainMapPtr& map, Time now, std::vector<Packet>* out);
+  void SendDelta(const MapChange& change, Time now, std::vector<Packet>* out);
   void BeginSnapshot(Time now);
   void AdvanceSnapshot(Time now, std::vector<Packet>* out);
   void Announce(Time now, std::vector<Packet>* out);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -77,32 +78,48 @@ void PredictedRegions::Infer(const TrackedStaircase& staircase, const ShapeTable
     const Key key(staircase.id, step.step_index, step.riser);
     demanded.insert(key);
     TerrainRegion region = RegionOf(step, staircase, table.R_level_world(), cap);
-    std::shared_ptr<const TerrainRegion>& told = told_[key];
+    RegionPtr& told = told_[key];
     if (told && NearlyEqual(*told, region)) continue;
     region.id = told ? told->id : ++last_id_;
     region.revision = told ? told->revision + 1 : 1;
     if (told) region.first_seen = told->first_seen;
     told = std::make_shared<const TerrainRegion>(std::move(region));
+    changes_[told->id] = told;
   }
-  std::erase_if(told_, [&](const auto& entry) {
-    return std::get<0>(entry.first) == staircase.id && !demanded.contains(entry.first);
-  });
+  ForgetOthers(staircase.id, demanded);
   bases_[staircase.id] = {staircase.found.model, staircase.found.num_risers, staircase.places.size(),
                           staircase.published.confidence};
 }
 
-void PredictedRegions::Update(const std::vector<TrackedStaircase>& staircases, const ShapeTable& table,
-                              double cap) {
-  std::set<std::int64_t> there;
-  for (const TrackedStaircase& staircase : staircases) {
-    there.insert(staircase.id);
-    if (!Rests(staircase, table)) Infer(staircase, table, cap);
+void PredictedRegions::ForgetOthers(std::int64_t staircase, const std::set<Key>& demanded) {
+  for (auto it = told_.lower_bound(Key(staircase, std::numeric_limits<int>::min(), false));
+       it != told_.end() && std::get<0>(it->first) == staircase;) {
+    if (demanded.contains(it->first)) {
+      ++it;
+      continue;
+    }
+    changes_[it->second->id] = nullptr;
+    it = told_.erase(it);
   }
-  std::erase_if(told_, [&](const auto& entry) { return !there.contains(std::get<0>(entry.first)); });
-  std::erase_if(bases_, [&](const auto& entry) { return !there.contains(entry.first); });
-  regions_.clear();
-  for (const auto& [key, region] : told_) regions_.push_back(region);
-  std::sort(regions_.begin(), regions_.end(), [](const auto& a, const auto& b) { return a->id < b->id; });
+}
+
+void PredictedRegions::Update(const StaircaseTracker& tracker, const ShapeTable& table, double cap) {
+  changes_.clear();
+  for (const std::int64_t id : tracker.removed()) {
+    ForgetOthers(id, {});
+    bases_.erase(id);
+  }
+  for (const TrackedStaircase* staircase : tracker.looked_at())
+    if (!Rests(*staircase, table)) Infer(*staircase, table, cap);
+}
+
+std::vector<std::int64_t> PredictedRegions::IdsOf(std::int64_t staircase) const {
+  std::vector<std::int64_t> ids;
+  for (auto it = told_.lower_bound(Key(staircase, std::numeric_limits<int>::min(), false));
+       it != told_.end() && std::get<0>(it->first) == staircase; ++it)
+    ids.push_back(it->second->id);
+  std::sort(ids.begin(), ids.end());
+  return ids;
 }
 
 }  // namespace terrace

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <tuple>
 #include <vector>
 
@@ -18,10 +19,13 @@ namespace terrace {
 class PredictedRegions {
  public:
   /// @param cap  no label is more certain
-  void Update(const std::vector<TrackedStaircase>& staircases, const ShapeTable& table, double cap);
+  void Update(const StaircaseTracker& tracker, const ShapeTable& table, double cap);
 
-  /// Ascending by id, and all ids above those of polygons.
-  const std::vector<std::shared_ptr<const TerrainRegion>>& regions() const { return regions_; }
+  using RegionPtr = std::shared_ptr<const TerrainRegion>;
+  /// What the last update made of them, by id; null: gone. All ids are above those of polygons.
+  const std::map<std::int64_t, RegionPtr>& changes() const { return changes_; }
+  /// Of one staircase, ascending.
+  std::vector<std::int64_t> IdsOf(std::int64_t staircase) const;
 
  private:
   using Key = std::tuple<std::int64_t, int, bool>;  ///< staircase, step, riser
@@ -34,12 +38,14 @@ class PredictedRegions {
   /// True when nothing that its steps follow from has changed.
   bool Rests(const TrackedStaircase& staircase, const ShapeTable& table) const;
   void Infer(const TrackedStaircase& staircase, const ShapeTable& table, double cap);
+  /// Forgets the steps of a staircase that are not among the demanded.
+  void ForgetOthers(std::int64_t staircase, const std::set<Key>& demanded);
 
   /// Polygons count from 1, and never come so far.
   std::int64_t last_id_ = 1'000'000'000;
-  std::map<Key, std::shared_ptr<const TerrainRegion>> told_;
+  std::map<Key, RegionPtr> told_;
   std::map<std::int64_t, Basis> bases_;  ///< by staircase
-  std::vector<std::shared_ptr<const TerrainRegion>> regions_;
+  std::map<std::int64_t, RegionPtr> changes_;
 };
 
 }  // namespace terrace

@@ -29,11 +29,12 @@ std::vector<std::pair<int, int>> LinksAcrossUnseen(const std::vector<bool>& reac
 
 }  // namespace
 
-std::vector<std::pair<int, int>> StairLinks(const std::vector<TrackedStaircase>& staircases,
+std::vector<std::pair<int, int>> StairLinks(const std::vector<const TrackedStaircase*>& staircases,
                                             const ShapeTable& table, const RobotConfig& robot) {
   constexpr double kSlack = 0.02;
   std::vector<std::pair<int, int>> links;
-  for (const TrackedStaircase& s : staircases) {
+  for (const TrackedStaircase* staircase : staircases) {
+    const TrackedStaircase& s = *staircase;
     if (s.published.riser_m > robot.max_step_height_m + kSlack) continue;
     std::vector<std::pair<int, int>> steps;  // step index, shape
     if (const int foot = table.IndexOf(s.foot_region); foot >= 0) steps.emplace_back(0, foot);

@@ -12,7 +12,7 @@
 namespace terrace {
 
 /// Pairs of shapes that a staircase joins, although a step between them may not have been seen.
-std::vector<std::pair<int, int>> StairLinks(const std::vector<TrackedStaircase>& staircases,
+std::vector<std::pair<int, int>> StairLinks(const std::vector<const TrackedStaircase*>& staircases,
                                             const ShapeTable& table, const RobotConfig& robot);
 
 /// What the robot can come to from the seeds: over steps it can take, along `links`, and along ground that

@@ -7,16 +7,9 @@
 #include "core/terrain_map.h"
 #include "labeling/label_rules.h"
 #include "labeling/region_shape.h"
-#include "labeling/staircase_tracker.h"
+#include "labeling/stair_regions.h"
 
 namespace terrace {
-
-/// The place of one region in a staircase, and how sure it is.
-struct InStaircase {
-  std::int64_t id = 0;
-  StepPlace place;
-  double confidence = 0.0;
-};
 
 /// One region as it was last told, and what is on the way to be told of it.
 class RegionRecord {

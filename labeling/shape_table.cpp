@@ -14,13 +14,6 @@ constexpr double kNear = 8.0;
 /// So far does a change decide about its neighbours.
 constexpr double kBeside = 0.5;
 
-const RegionShapePtr* FindIn(const std::vector<RegionShapePtr>& shapes, PolygonId id) {
-  const auto it =
-      std::lower_bound(shapes.begin(), shapes.end(), id,
-                       [](const RegionShapePtr& s, PolygonId wanted) { return s->id() < wanted; });
-  return it != shapes.end() && (*it)->id() == id ? &*it : nullptr;
-}
-
 }  // namespace
 
 bool ShapeTable::HoldGravity(const Gravity& gravity) {
@@ -34,57 +27,78 @@ bool ShapeTable::HoldGravity(const Gravity& gravity) {
 void ShapeTable::Update(const PolygonUpdate& update, const Gravity& gravity,
                         const Eigen::Vector3d& eye_world) {
   const bool all_anew = HoldGravity(gravity);
-  ReplaceChanged(update, all_anew);
+  ReplaceChanged(update);
+  if (all_anew) MakeAllAnew();
   ChooseActive(R_level_world_ * eye_world);
 }
 
-void ShapeTable::ReplaceChanged(const PolygonUpdate& update, bool all_anew) {
-  // Both lists ascend by id: one walk finds what is new, changed and gone.
-  std::vector<RegionShapePtr> all;
-  all.reserve(update.polygons.size());
+void ShapeTable::ReplaceChanged(const PolygonUpdate& update) {
   touched_.clear();
-  auto before = all_.begin();
-  for (const PolygonPtr& polygon : update.polygons) {
-    for (; before != all_.end() && (*before)->id() < polygon->id; ++before)
-      touched_.push_back((*before)->bounds);
-    const bool known = before != all_.end() && (*before)->id() == polygon->id;
-    if (known && !all_anew && (*before)->polygon == polygon) {
-      all.push_back(std::move(*before++));
-      continue;
-    }
-    if (known) touched_.push_back((*before++)->bounds);
-    all.push_back(MakeRegionShape(polygon, R_level_world_, limits_));
-    touched_.push_back(all.back()->bounds);
+  removed_.clear();
+  for (const PolygonId id : update.removed) {
+    const auto gone = all_.find(id);
+    if (gone == all_.end()) continue;
+    removed_.push_back(id);
+    touched_.push_back(gone->second->bounds);
+    grid_.Remove(*gone->second);
+    all_.erase(gone);
   }
-  for (; before != all_.end(); ++before) touched_.push_back((*before)->bounds);
-  all_ = std::move(all);
+  std::sort(removed_.begin(), removed_.end());
+  for (const PolygonPtr& polygon : update.changed) Put(polygon);
+}
+
+void ShapeTable::Put(const PolygonPtr& polygon) {
+  RegionShapePtr& shape = all_[polygon->id];
+  if (shape) {
+    if (shape->polygon == polygon) return;
+    touched_.push_back(shape->bounds);
+    grid_.Remove(*shape);
+  }
+  shape = MakeRegionShape(polygon, R_level_world_, limits_);
+  touched_.push_back(shape->bounds);
+  grid_.Add(*shape);
+}
+
+void ShapeTable::MakeAllAnew() {
+  grid_.Clear();
+  for (auto& [id, shape] : all_) {
+    touched_.push_back(shape->bounds);
+    shape = MakeRegionShape(shape->polygon, R_level_world_, limits_);
+    touched_.push_back(shape->bounds);
+    grid_.Add(*shape);
+  }
 }
 
 void ShapeTable::ChooseActive(const Eigen::Vector3d& eye_level) {
   const Eigen::AlignedBox3d near(eye_level - Eigen::Vector3d::Constant(kNear),
                                  eye_level + Eigen::Vector3d::Constant(kNear));
   const Eigen::Vector3d beside = Eigen::Vector3d::Constant(kBeside);
-  std::vector<Eigen::AlignedBox3d> far_changes;
+  std::vector<Eigen::AlignedBox3d> places{near};
   for (const Eigen::AlignedBox3d& box : touched_)
-    if (!near.contains(box)) far_changes.emplace_back(box.min() - beside, box.max() + beside);
+    if (!near.contains(box)) places.emplace_back(box.min() - beside, box.max() + beside);
+  std::vector<PolygonId> ids;
+  for (const Eigen::AlignedBox3d& place : places) grid_.Collect(place, &ids);
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   active_.clear();
-  for (const RegionShapePtr& shape : all_) {
-    const bool active = near.intersects(shape->bounds) || std::any_of(far_changes.begin(), far_changes.end(),
-                                                                      [&](const Eigen::AlignedBox3d& box) {
-                                                                        return box.intersects(shape->bounds);
-                                                                      });
-    if (active) active_.push_back(shape);
+  for (const PolygonId id : ids) {
+    const RegionShapePtr& shape = all_.at(id);
+    if (std::any_of(places.begin(), places.end(),
+                    [&](const Eigen::AlignedBox3d& place) { return place.intersects(shape->bounds); }))
+      active_.push_back(shape);
   }
 }
 
 int ShapeTable::IndexOf(PolygonId id) const {
-  const RegionShapePtr* found = FindIn(active_, id);
-  return found ? static_cast<int>(found - active_.data()) : -1;
+  const auto it =
+      std::lower_bound(active_.begin(), active_.end(), id,
+                       [](const RegionShapePtr& s, PolygonId wanted) { return s->id() < wanted; });
+  return it != active_.end() && (*it)->id() == id ? static_cast<int>(it - active_.begin()) : -1;
 }
 
 const RegionShape* ShapeTable::Find(PolygonId id) const {
-  const RegionShapePtr* found = FindIn(all_, id);
-  return found ? found->get() : nullptr;
+  const auto found = all_.find(id);
+  return found == all_.end() ? nullptr : found->second.get();
 }
 
 bool ShapeTable::Touched(const RegionShape& shape, const Eigen::Vector3d& reach) const {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "core/pose_estimate.h"
 #include "labeling/region_shape.h"
+#include "labeling/shape_grid.h"
 
 namespace terrace {
 
@@ -21,8 +23,10 @@ class ShapeTable {
   /// @param eye_world  where the camera is
   void Update(const PolygonUpdate& update, const Gravity& gravity, const Eigen::Vector3d& eye_world);
 
-  const std::vector<RegionShapePtr>& all() const { return all_; }        ///< ascending by id
+  const std::map<PolygonId, RegionShapePtr>& all() const { return all_; }
   const std::vector<RegionShapePtr>& shapes() const { return active_; }  ///< to be looked at, ascending by id
+  /// Ids of those that went with the last frame, ascending.
+  const std::vector<PolygonId>& removed() const { return removed_; }
   const Eigen::Matrix3d& R_level_world() const { return R_level_world_; }
   int IndexOf(PolygonId id) const;              ///< among those to be looked at; -1: it is not
   const RegionShape* Find(PolygonId id) const;  ///< among all; null: there is none
@@ -31,14 +35,18 @@ class ShapeTable {
 
  private:
   bool HoldGravity(const Gravity& gravity);
-  void ReplaceChanged(const PolygonUpdate& update, bool all_anew);
+  void ReplaceChanged(const PolygonUpdate& update);
+  void MakeAllAnew();
+  void Put(const PolygonPtr& polygon);
   void ChooseActive(const Eigen::Vector3d& eye_level);
 
   RegionShapeLimits limits_;
   double max_gravity_change_rad_;
   Eigen::Matrix3d R_level_world_ = Eigen::Matrix3d::Identity();
-  std::vector<RegionShapePtr> all_;
+  std::map<PolygonId, RegionShapePtr> all_;
+  ShapeGrid grid_;  ///< of all
   std::vector<RegionShapePtr> active_;
+  std::vector<PolygonId> removed_;
   std::vector<Eigen::AlignedBox3d> touched_;  ///< where the last frame changed something; level frame
 };
 

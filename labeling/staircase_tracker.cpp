@@ -115,6 +115,14 @@ void CountFromBelow(FoundStaircase& found, int steps) {
   found.num_treads += steps;
 }
 
+/// All that a staircase hangs on, floor and landing included.
+std::vector<PolygonId> RegionsOf(const TrackedStaircase& staircase) {
+  std::vector<PolygonId> regions{staircase.foot_region, staircase.head_region};
+  for (const StepPlace& place : staircase.places) regions.push_back(place.region);
+  std::erase(regions, PolygonId{0});
+  return regions;
+}
+
 bool LookedAt(const TrackedStaircase& staircase, const ShapeTable& table) {
   // One whose regions are all gone is looked for again.
   bool any_there = false;
@@ -127,9 +135,10 @@ bool LookedAt(const TrackedStaircase& staircase, const ShapeTable& table) {
 
 }  // namespace
 
-std::vector<FlightModel> StaircaseTracker::Models(const ShapeTable& table) const {
+std::vector<FlightModel> StaircaseTracker::Models(const ShapeTable& table) {
+  Wake(table);
   std::vector<FlightModel> models;
-  for (const Track& track : tracks_)
+  for (const auto& [serial, track] : tracks_)
     if (track.told && LookedAt(track.staircase, table)) models.push_back(track.staircase.found.model);
   return models;
 }
@@ -181,7 +190,7 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
 void StaircaseTracker::Match(const std::vector<FoundStaircase>& found,
                              const std::vector<RegionShapePtr>& shapes) {
   std::vector<bool> taken(found.size(), false);
-  for (Track& track : tracks_) {
+  for (auto& [serial, track] : tracks_) {
     if (track.away) continue;
     int most = 0;
     std::size_t best = found.size();
@@ -207,7 +216,7 @@ void StaircaseTracker::Match(const std::vector<FoundStaircase>& found,
     Track track;
     track.staircase.found = found[f];
     track.num_found = 1;
-    tracks_.push_back(track);
+    tracks_.emplace(++last_serial_, std::move(track));
   }
 }
 
@@ -215,7 +224,7 @@ void StaircaseTracker::Match(const std::vector<FoundStaircase>& found,
 void StaircaseTracker::TakePlaces(const ShapeTable& table) {
   std::set<PolygonId> used;
   const auto keeps = [](const Track& track) { return track.away || track.rests || track.num_missed > 0; };
-  for (Track& track : tracks_) {
+  for (auto& [serial, track] : tracks_) {
     if (keeps(track)) continue;
     TrackedStaircase& s = track.staircase;
     s.places = PlacesOf(s.found, table.shapes());
@@ -223,7 +232,7 @@ void StaircaseTracker::TakePlaces(const ShapeTable& table) {
     s.head_region = s.found.head_shape ? table.shapes()[*s.found.head_shape]->id() : 0;
     for (const StepPlace& place : s.places) used.insert(place.region);
   }
-  for (Track& track : tracks_) {
+  for (auto& [serial, track] : tracks_) {
     if (!keeps(track)) continue;
     std::erase_if(track.staircase.places, [&](const StepPlace& place) {
       return table.Find(place.region) == nullptr || !used.insert(place.region).second;
@@ -231,28 +240,76 @@ void StaircaseTracker::TakePlaces(const ShapeTable& table) {
   }
 }
 
+void StaircaseTracker::Wake(const ShapeTable& table) {
+  std::vector<Serial> waking;
+  const auto wake = [&](PolygonId region) {
+    const auto [begin, end] = asleep_by_region_.equal_range(region);
+    for (auto it = begin; it != end; ++it) waking.push_back(it->second);
+  };
+  for (const RegionShapePtr& shape : table.shapes()) wake(shape->id());
+  for (const PolygonId region : table.removed()) wake(region);
+  for (const Serial serial : waking) {
+    const auto sleeper = asleep_.find(serial);
+    if (sleeper == asleep_.end()) continue;  // two of its regions called
+    for (const PolygonId region : RegionsOf(sleeper->second.staircase)) {
+      const auto [begin, end] = asleep_by_region_.equal_range(region);
+      asleep_by_region_.erase(
+          std::find_if(begin, end, [&](const auto& entry) { return entry.second == serial; }));
+    }
+    tracks_.insert(asleep_.extract(sleeper));
+  }
+}
+
+void StaircaseTracker::PutToSleep(const ShapeTable& table) {
+  for (auto it = tracks_.begin(); it != tracks_.end();) {
+    const auto track = it++;
+    const std::vector<PolygonId> regions = RegionsOf(track->second.staircase);
+    const bool looked_at = std::any_of(regions.begin(), regions.end(),
+                                       [&](PolygonId region) { return table.IndexOf(region) >= 0; });
+    if (!track->second.away || looked_at) continue;
+    for (const PolygonId region : regions) asleep_by_region_.emplace(region, track->first);
+    asleep_.insert(tracks_.extract(track));
+  }
+}
+
+void StaircaseTracker::ForgetGone() {
+  std::erase_if(tracks_, [&](const auto& entry) {
+    const Track& track = entry.second;
+    const bool gone = track.staircase.places.empty() || track.num_missed > (track.told ? num_frames_ : 0);
+    if (gone && track.told) {
+      removed_.push_back(track.staircase.id);
+      confirmed_.erase(track.staircase.id);
+    }
+    return gone;
+  });
+  std::sort(removed_.begin(), removed_.end());
+}
+
+/// Tells a staircase that has been found often enough.
+void StaircaseTracker::Confirm(Track* track, const ShapeTable& table) {
+  if (!track->told && track->num_found < num_frames_) return;
+  TrackedStaircase& s = track->staircase;
+  if (!track->told) s.id = ++last_id_;
+  Staircase now = Publish(s, table.R_level_world());
+  if (!track->told || !PracticallyEqual(s.published, now)) s.published = now;
+  track->told = true;
+  for (const StepPlace& place : s.places)
+    s.published.last_seen = std::max(s.published.last_seen, table.Find(place.region)->polygon->last_seen);
+  looked_at_.push_back(&(confirmed_[s.id] = s));
+}
+
 void StaircaseTracker::Update(const std::vector<FoundStaircase>& found, const ShapeTable& table) {
-  for (Track& track : tracks_) track.away = !LookedAt(track.staircase, table);
+  Wake(table);
+  for (auto& [serial, track] : tracks_) track.away = !LookedAt(track.staircase, table);
   Match(found, table.shapes());
   TakePlaces(table);
-  std::erase_if(tracks_, [&](const Track& track) {
-    return track.staircase.places.empty() || track.num_missed > (track.told ? num_frames_ : 0);
-  });
-
-  confirmed_.clear();
-  for (Track& track : tracks_) {
-    if (!track.told && track.num_found < num_frames_) continue;
-    TrackedStaircase& s = track.staircase;
-    if (!track.told) s.id = ++last_id_;
-    Staircase now = Publish(s, table.R_level_world());
-    if (!track.told || !PracticallyEqual(s.published, now)) s.published = now;
-    track.told = true;
-    for (const StepPlace& place : s.places)
-      s.published.last_seen = std::max(s.published.last_seen, table.Find(place.region)->polygon->last_seen);
-    confirmed_.push_back(s);
-  }
-  std::sort(confirmed_.begin(), confirmed_.end(),
-            [](const TrackedStaircase& a, const TrackedStaircase& b) { return a.id < b.id; });
+  removed_.clear();
+  looked_at_.clear();
+  ForgetGone();
+  for (auto& [serial, track] : tracks_) Confirm(&track, table);
+  std::sort(looked_at_.begin(), looked_at_.end(),
+            [](const TrackedStaircase* a, const TrackedStaircase* b) { return a->id < b->id; });
+  PutToSleep(table);
 }
 
 }  // namespace terrace

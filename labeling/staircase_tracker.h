@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "core/terrain_map.h"
@@ -29,22 +30,28 @@ struct TrackedStaircase {
 };
 
 /// Gives staircases stable ids: one appears after it has been found in some frames in a row, survives some in
-/// which it is not found, and its numbers rest while they change by less than can be told apart.
+/// which it is not found, and its numbers rest while they change by less than can be told apart. Those of
+/// which a frame shows and changes nothing sleep, and cost nothing.
 class StaircaseTracker {
  public:
   explicit StaircaseTracker(int num_frames) : num_frames_(num_frames) {}
 
   /// The laws of the staircases that have been told, for StaircaseFinder::Find.
   /// Those of which nothing is looked at now are left out.
-  std::vector<FlightModel> Models(const ShapeTable& table) const;
+  std::vector<FlightModel> Models(const ShapeTable& table);
 
   /// @param found  among the shapes of the table that are looked at; staircases elsewhere stay as they are
   void Update(const std::vector<FoundStaircase>& found, const ShapeTable& table);
 
-  /// Ascending by id. No region is in two of them.
-  const std::vector<TrackedStaircase>& confirmed() const { return confirmed_; }
+  /// By id. No region is in two of them.
+  const std::map<std::int64_t, TrackedStaircase>& confirmed() const { return confirmed_; }
+  /// Those of them that may have changed with the last update, ascending by id; the others are as they were.
+  const std::vector<const TrackedStaircase*>& looked_at() const { return looked_at_; }
+  /// Ids of those that the last update found to be gone, ascending.
+  const std::vector<std::int64_t>& removed() const { return removed_; }
 
  private:
+  using Serial = std::int64_t;  ///< in the order in which they were first found
   struct Track {
     TrackedStaircase staircase;
     int num_found = 0;   ///< in a row, until confirmed
@@ -56,6 +63,11 @@ class StaircaseTracker {
     int other_count = 0;
     int other_below = 0;
   };
+  /// Wakes those one of whose regions, floor and landing included, is looked at or has gone.
+  void Wake(const ShapeTable& table);
+  void PutToSleep(const ShapeTable& table);
+  void Confirm(Track* track, const ShapeTable& table);
+  void ForgetGone();
   /// Takes over what was found now, as far as it is believed.
   void Adopt(Track& track, FoundStaircase now) const;
   void Match(const std::vector<FoundStaircase>& found, const std::vector<RegionShapePtr>& shapes);
@@ -63,8 +75,13 @@ class StaircaseTracker {
 
   int num_frames_;
   std::int64_t last_id_ = 0;
-  std::vector<Track> tracks_;
-  std::vector<TrackedStaircase> confirmed_;
+  Serial last_serial_ = 0;
+  std::map<Serial, Track> tracks_;  ///< awake
+  std::map<Serial, Track> asleep_;
+  std::multimap<PolygonId, Serial> asleep_by_region_;
+  std::map<std::int64_t, TrackedStaircase> confirmed_;
+  std::vector<const TrackedStaircase*> looked_at_;
+  std::vector<std::int64_t> removed_;
 };
 
 }  // namespace terrace

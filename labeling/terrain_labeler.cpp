@@ -12,11 +12,13 @@
 #include "labeling/explanation_words.h"
 #include "labeling/kept_evidence.h"
 #include "labeling/label_rules.h"
+#include "labeling/map_edits.h"
 #include "labeling/predicted_regions.h"
 #include "labeling/reachability.h"
 #include "labeling/region_record.h"
 #include "labeling/shape_table.h"
 #include "labeling/sight.h"
+#include "labeling/stair_regions.h"
 #include "labeling/staircase_tracker.h"
 #include "labeling/stance.h"
 #include "labeling/step_graph.h"
@@ -45,25 +47,6 @@ TerrainMapPtr EmptyMap(std::int64_t map_id) {
   return map;
 }
 
-std::map<PolygonId, InStaircase> StairRegions(const std::vector<TrackedStaircase>& staircases) {
-  std::map<PolygonId, InStaircase> regions;
-  for (const TrackedStaircase& s : staircases)
-    for (const StepPlace& place : s.places)
-      if (!place.leaning) regions.emplace(place.region, InStaircase{s.id, place, s.published.confidence});
-  return regions;
-}
-
-bool Differs(const TerrainMap& a, const TerrainMap& b) {
-  const auto same_staircase = [](const Staircase& s, const Staircase& t) {
-    return s.id == t.id && s.num_risers == t.num_risers && s.num_treads == t.num_treads &&
-           s.riser_m == t.riser_m && s.tread_m == t.tread_m && s.width_m == t.width_m &&
-           s.base_world() == t.base_world() && s.confidence == t.confidence && s.region_ids == t.region_ids &&
-           s.last_seen == t.last_seen;
-  };
-  return a.regions != b.regions || !std::equal(a.staircases.begin(), a.staircases.end(), b.staircases.begin(),
-                                               b.staircases.end(), same_staircase);
-}
-
 }  // namespace
 
 class TerrainLabeler::Impl {
@@ -84,7 +67,7 @@ class TerrainLabeler::Impl {
         tracker_(config.frames_to_change_label),
         map_(EmptyMap(map_id)) {}
 
-  TerrainMapPtr Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity) {
+  MapChange Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity) {
     ++num_frames_;
     table_.Update(update, gravity, pose.T_world_left.translation());
     const std::vector<RegionShapePtr>& shapes = table_.shapes();
@@ -95,10 +78,11 @@ class TerrainLabeler::Impl {
     const bool compete = num_frames_ % kCompetePeriod == 0;
     const Sight sight{camera_, T_level_left, GroundUnder(pose)};
     tracker_.Update(finder_.Find(shapes, tracker_.Models(table_), sight, compete), table_);
+    stair_regions_.Update(tracker_);
     graph_.Update(shapes);
     const std::vector<int> seeds = WhereItStands(pose);
     const std::vector<bool> reachable =
-        ReachableFrom(seeds, StairLinks(tracker_.confirmed(), table_, robot_), graph_, shapes, config_);
+        ReachableFrom(seeds, StairLinks(tracker_.looked_at(), table_, robot_), graph_, shapes, config_);
     const Scene scene{shapes, graph_, reachable, views_.tops(), views_.nearest_view_m()};
     return Publish(update, pose, gravity, LabelRules(config_, stairs_, robot_, scene).Decide());
   }
@@ -114,10 +98,10 @@ class TerrainLabeler::Impl {
       if (!record.told() || !wanted(id)) continue;
       explanations.regions.push_back(ExplainRegion(record, NeighborsOf(id)));
     }
-    for (const auto& region : predicted_.regions())
-      if (wanted(region->id)) explanations.regions.push_back(ExplainInferredStep(*region));
-    for (const TrackedStaircase& staircase : tracker_.confirmed())
-      if (wanted(staircase.id)) explanations.staircases.push_back(ExplainStaircase(staircase));
+    for (const auto& region : map_->regions)
+      if (region->predicted() && wanted(region->id)) explanations.regions.push_back(ExplainInferredStep(*region));
+    for (const auto& [id, staircase] : tracker_.confirmed())
+      if (wanted(id)) explanations.staircases.push_back(ExplainStaircase(staircase));
     for (RegionExplanation& region : explanations.regions) region.text = words.Of(region);
     for (StaircaseExplanation& staircase : explanations.staircases) staircase.text = words.Of(staircase);
     return explanations;
@@ -174,12 +158,18 @@ class TerrainLabeler::Impl {
     record.edges_stale = false;
   }
 
-  TerrainMapPtr Publish(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity,
-                        const std::vector<Verdict>& verdicts) {
+  MapChange Publish(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity,
+                    const std::vector<Verdict>& verdicts) {
     // Where up is a guess, or what the robot stands on, so is every label.
     constexpr double kMaxAssumed = 0.5;
     const bool guess = gravity.source == GravitySource::kAssumed || stances_.disagrees();
     const double cap = guess ? kMaxAssumed : 1.0;
+    MapEdits edits;
+    TellRegions(verdicts, cap, &edits);
+    predicted_.Update(tracker_, table_, cap);
+    edits.regions.insert(predicted_.changes().begin(), predicted_.changes().end());
+    TellStaircases(cap, &edits);
+
     auto map = std::make_shared<TerrainMap>();
     map->t_capture = update.t_capture;
     map->map_id = map_->map_id;
@@ -187,23 +177,46 @@ class TerrainLabeler::Impl {
     map->T_world_left = pose.T_world_left;
     map->covariance = pose.covariance;
     map->gravity = gravity;
-    const std::map<PolygonId, InStaircase> stairs = StairRegions(tracker_.confirmed());
+    MapChange change{ApplyEdits(edits, *map_, map.get()), map_, map};
+    map_ = std::move(map);
+    return change;
+  }
+
+  /// What is told of the regions that were looked at, and of those that have gone or left a staircase.
+  void TellRegions(const std::vector<Verdict>& verdicts, double cap, MapEdits* edits) {
     for (int i = 0; i < static_cast<int>(table_.shapes().size()); ++i) {
-      const auto step = stairs.find(table_.shapes()[i]->id());
-      TellRegion(i, verdicts[i], step != stairs.end() ? &step->second : nullptr, cap);
+      const PolygonId id = table_.shapes()[i]->id();
+      TellRegion(i, verdicts[i], stair_regions_.Find(id), cap);
+      const RegionRecord& record = records_.at(id);
+      edits->regions[id] = record.told() ? record.region() : nullptr;
     }
-    CollectRegions(stairs, *map);
-    predicted_.Update(tracker_.confirmed(), table_, cap);
-    map->regions.insert(map->regions.end(), predicted_.regions().begin(), predicted_.regions().end());
-    for (const TrackedStaircase& s : tracker_.confirmed()) {
-      Staircase& told = map->staircases.emplace_back(s.published);
-      told.confidence = std::min(s.published.confidence, cap);
-      for (const auto& region : predicted_.regions())
-        if (region->staircase_id == s.id) told.region_ids.push_back(region->id);
+    for (const PolygonId id : table_.removed()) {
+      records_.erase(id);
+      edits->regions[id] = nullptr;
     }
-    map->seq = map_->seq + (Differs(*map, *map_) ? 1 : 0);
-    map_ = map;
-    return map_;
+    for (const PolygonId id : stair_regions_.left()) {
+      const auto left = records_.find(id);
+      if (left == records_.end() || !left->second.told() || !left->second.region()->staircase_id) continue;
+      left->second.Tell(table_.all().at(id), {}, nullptr);
+      edits->regions[id] = left->second.region();
+    }
+  }
+
+  void TellStaircases(double cap, MapEdits* edits) {
+    for (const std::int64_t id : tracker_.removed()) edits->staircases[id] = std::nullopt;
+    const auto tell = [&](const TrackedStaircase& s) {
+      Staircase told = s.published;
+      told.confidence = std::min(told.confidence, cap);
+      const std::vector<std::int64_t> predicted = predicted_.IdsOf(s.id);
+      told.region_ids.insert(told.region_ids.end(), predicted.begin(), predicted.end());
+      edits->staircases[s.id] = std::move(told);
+    };
+    if (cap != cap_) {
+      for (const auto& [id, staircase] : tracker_.confirmed()) tell(staircase);
+    } else {
+      for (const TrackedStaircase* staircase : tracker_.looked_at()) tell(*staircase);
+    }
+    cap_ = cap;
   }
 
   /// Brings the record of one region up to date.
@@ -227,23 +240,6 @@ class TerrainLabeler::Impl {
     record.Tell(shape, verdict, step);
   }
 
-  /// What was told of all regions that exist; what was told of others is forgotten.
-  void CollectRegions(const std::map<PolygonId, InStaircase>& stairs, TerrainMap& map) {
-    map.regions.reserve(table_.all().size());
-    auto record = records_.begin();
-    for (const RegionShapePtr& shape : table_.all()) {
-      while (record != records_.end() && record->first < shape->id()) record = records_.erase(record);
-      if (record == records_.end()) break;
-      if (record->first != shape->id()) continue;
-      // A region that is not looked at now has left its staircase with the others.
-      const bool in_stairs = record->second.told() && record->second.region()->staircase_id.has_value();
-      if (in_stairs && !stairs.contains(shape->id())) record->second.Tell(shape, {}, nullptr);
-      if (record->second.told()) map.regions.push_back(record->second.region());
-      ++record;
-    }
-    records_.erase(record, records_.end());
-  }
-
   bool StandsOutOfItsNoise(const RegionShape& shape) const {
     const double edge_m = config_.min_width_in_noise * shape.polygon->noise_m;
     return shape.area_m2 >= edge_m * edge_m;
@@ -262,10 +258,12 @@ class TerrainLabeler::Impl {
   ViewMemory views_;
   StaircaseFinder finder_;
   StaircaseTracker tracker_;
+  StairRegions stair_regions_;
   PredictedRegions predicted_;
   std::map<PolygonId, RegionRecord> records_;
   Eigen::Vector3d eye_ = Eigen::Vector3d::Zero();  ///< where the camera is, level frame
   std::int64_t num_frames_ = 0;
+  double cap_ = 1.0;  ///< no label was told to be more certain
   TerrainMapPtr map_;
 };
 
@@ -276,8 +274,8 @@ TerrainLabeler::TerrainLabeler(const LabelingConfig& config, const StaircaseConf
 
 TerrainLabeler::~TerrainLabeler() = default;
 
-TerrainMapPtr TerrainLabeler::Label(const PolygonUpdate& update, const PoseEstimate& pose,
-                                    const Gravity& gravity) {
+MapChange TerrainLabeler::Label(const PolygonUpdate& update, const PoseEstimate& pose,
+                                const Gravity& gravity) {
   return impl_->Label(update, pose, gravity);
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/camera.h"
 #include "core/explanation.h"
+#include "core/map_change.h"
 #include "core/pose_estimate.h"
 #include "core/terrain_map.h"
 #include "labeling/labeling_config.h"
@@ -28,7 +29,8 @@ class TerrainLabeler {
   ~TerrainLabeler();
 
   /// @param pose  where the camera is now: what is reachable is reachable from there
-  TerrainMapPtr Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity);
+  /// @return the map and what became of it; octree and memory are not counted
+  MapChange Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity);
 
   /// Why regions and staircases are what they were last told to be, in words and numbers.
   /// @param only  the id of one region or staircase (either may have it); none: all

@@ -38,11 +38,11 @@ using PolygonPtr = std::shared_ptr<const Polygon>;
 struct PolygonUpdate {
   FrameId frame_id = 0;
   Timestamp t_capture;
-  std::vector<PolygonPtr> polygons;  ///< the whole map, ascending by id; unchanged ones are shared
-  std::vector<PolygonId> added;      ///< that were not there before
-  std::vector<PolygonId> revised;    ///< with a new revision
-  std::vector<PolygonId> removed;    ///< that are no longer there
-  std::vector<PolygonId> seen;       ///< in view again and unchanged
+  std::vector<PolygonPtr> changed;  ///< as they are now: those added and revised, ascending by id
+  std::vector<PolygonId> added;     ///< that were not there before
+  std::vector<PolygonId> revised;   ///< with a new revision
+  std::vector<PolygonId> removed;   ///< that are no longer there
+  std::vector<PolygonId> seen;      ///< in view again and unchanged
 };
 
 }  // namespace terrace

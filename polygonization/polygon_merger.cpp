@@ -19,9 +19,9 @@
 namespace terrace {
 namespace {
 
-/// Tracing costs as much as the surface is large, while its plane follows every frame. Where cells of the evidence
-/// came or went by as many as these, a surface is traced again after a few frames, more where it is large;
-/// where less has changed, it waits longer.
+/// Tracing costs as much as the surface is large, while its plane follows every frame. Where cells of the
+/// evidence came or went by as many as these, a surface is traced again after a few frames, more where it is
+/// large; where less has changed, it waits longer.
 constexpr FrameId kLeastPatience = 3;
 constexpr FrameId kCellsPerFrame = 24;
 constexpr FrameId kLargePatience = 6;
@@ -71,7 +71,10 @@ class PolygonMerger::Impl {
     Look(view);
     Publish(&update);
     SeeAgain(&update);
-    for (const auto& [id, entry] : polygons_) update.polygons.push_back(entry.polygon);
+    for (const std::vector<PolygonId>* ids : {&update.added, &update.revised})
+      for (const PolygonId id : *ids) update.changed.push_back(polygons_.Find(id));
+    std::sort(update.changed.begin(), update.changed.end(),
+              [](const PolygonPtr& a, const PolygonPtr& b) { return a->id < b->id; });
     return update;
   }
 
@@ -107,7 +110,8 @@ class PolygonMerger::Impl {
       if (found == store_.surfaces().end()) continue;
       Surface& surface = found->second;
       // It grows into a polygon, or goes.
-      if (surface.polygons.empty() && !surface.cells.empty() && surface.area_m2 < config_.min_area_m2) continue;
+      if (surface.polygons.empty() && !surface.cells.empty() && surface.area_m2 < config_.min_area_m2)
+        continue;
       if (MayWait(surface, update->frame_id)) {
         late_.insert(id);
         for (std::size_t i = 0; i < surface.pieces.size(); ++i)

@@ -6,29 +6,10 @@
 #include <vector>
 
 #include "core/check.h"
-#include "labeling/gravity_from_planes.h"
 #include "stereo/cloud.h"
 
 namespace terrace {
 namespace {
-
-/// Ids of regions that are new or have another revision in `after`, and of those that are gone. Both maps
-/// ascend by id.
-void CompareMaps(const TerrainMap& before, const TerrainMap& after, MapChange* change) {
-  auto old = before.regions.begin();
-  for (const auto& region : after.regions) {
-    for (; old != before.regions.end() && (*old)->id < region->id; ++old)
-      change->removed.push_back((*old)->id);
-    const bool known = old != before.regions.end() && (*old)->id == region->id;
-    if (!known) {
-      change->added.push_back(region->id);
-    } else if ((*old)->revision != region->revision) {
-      change->revised.push_back(region->id);
-    }
-    if (known) ++old;
-  }
-  for (; old != before.regions.end(); ++old) change->removed.push_back((*old)->id);
-}
 
 /// How far away points are still certain enough to be mapped, where disparities are as good as they ever get.
 double FarthestMapped(const StereoCamera& camera, const CloudConfig& cloud) {
@@ -57,8 +38,6 @@ TerrainMapper::TerrainMapper(const TerrainConfig& config, const StereoCamera& ca
 
 MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose, const Gravity& gravity) {
   TERRACE_CHECK(pose.trusted, pose.reason);
-  MapChange change;
-  const TerrainMapPtr before = map();
   StageMeasurement measuring(meters_, StageId::kDecomposition);
   const Cloud cloud = Triangulate(view.disparity, view.camera, config_.cloud, view.self_mask);
   const ChangedCells cells = parts_->octree.Insert(cloud, view.camera, pose);
@@ -68,11 +47,11 @@ MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose,
   const PolygonUpdate polygons =
       parts_->merger.Merge(patches, {view.camera, pose.T_world_left, &view.disparity});
   measuring.Next(StageId::kLabels);
-  change.map = parts_->labeler.Label(polygons, pose, gravity);
+  MapChange change = parts_->labeler.Label(polygons, pose, gravity);
 
   FoldFarFrom(pose.T_world_left.translation());
-  gravity_hint_ = GravityFromPlanes(polygons, pose, gravity);
-  CompareMaps(*before, *change.map, &change);
+  parts_->level_planes.Update(polygons);
+  gravity_hint_ = parts_->level_planes.Hint(gravity);
   CountCells(&change);
   return change;
 }
@@ -85,7 +64,7 @@ void TerrainMapper::FoldFarFrom(const Eigen::Vector3d& p_world) {
 
 MapChange TerrainMapper::Unchanged() const {
   MapChange change;
-  change.map = map();
+  change.before = change.map = map();
   CountCells(&change);
   return change;
 }

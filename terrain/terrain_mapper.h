@@ -13,6 +13,7 @@
 #include "core/map_change.h"
 #include "core/pose_estimate.h"
 #include "core/stage_meter.h"
+#include "labeling/gravity_from_planes.h"
 #include "labeling/terrain_labeler.h"
 #include "mapping/terrain_octree.h"
 #include "odometry/visual_odometry.h"
@@ -74,6 +75,7 @@ class TerrainMapper {
     CellModeller modeller;
     PolygonMerger merger;
     TerrainLabeler labeler;
+    LevelPlanes level_planes;
   };
 
   /// Beyond the window evidence is forgotten, and regions stay.

@@ -46,7 +46,9 @@ ResultServer::ResultServer(lcm::LCM* lcm, const ReplayResult& result, const Chan
   }
   subscription_ = Subscribe<&ResultServer::OnRepair>(lcm_, channels_.repair, this);
   if (subscription_ == nullptr) throw std::runtime_error("cannot listen on " + channels_.repair);
-  publisher_.PublishTerrain(map_);
+  MapChange whole;
+  whole.map = map_;
+  publisher_.PublishTerrain(whole);
 }
 
 ResultServer::~ResultServer() { lcm_->unsubscribe(subscription_); }

@@ -51,15 +51,15 @@ void LabelWhileWalking(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
     for (int i = 0; i < num_changed; ++i) {
-      auto changed = std::make_shared<Polygon>(*update.polygons[i]);
+      auto changed = std::make_shared<Polygon>(*update.changed[i]);
       ++changed->revision;
-      update.polygons[i] = changed;
+      update.changed[i] = changed;
     }
     ++frame;
     state.ResumeTiming();
     benchmark::DoNotOptimize(labeler.Label(update, StandingAt(5 + 0.001 * (frame % 100), 0), TestGravity()));
   }
-  state.counters["regions"] = static_cast<double>(update.polygons.size());
+  state.counters["regions"] = static_cast<double>(update.changed.size());
 }
 BENCHMARK(LabelWhileWalking)->Args({3, 25})->Args({6, 25})->Args({6, 0})->Unit(benchmark::kMicrosecond);
 

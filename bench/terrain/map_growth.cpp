@@ -103,7 +103,7 @@ class GrowingMap {
       change = mapper_.Update({disparity, camera_, cv::Mat1b()}, pose, shot.gravity);
       {
         const StageMeasurement measuring(&meters_, StageId::kPublish);
-        sender_.Update(change.map, std::chrono::steady_clock::now());
+        sender_.Update(change, std::chrono::steady_clock::now());
       }
       frames_ms->push_back(1e-6 * static_cast<double>(ThreadCpuNs() - start_ns));
       place.cpu_ms += frames_ms->back() / static_cast<double>(shots_.size());

@@ -79,7 +79,9 @@ class LossyBus {
 
   void Publish(const TerrainMap& map) {
     published_.push_back({now_, map.map_id, map.seq});
-    Send(sender_.Update(std::make_shared<const TerrainMap>(map), now_));
+    MapChange change;
+    change.map = std::make_shared<const TerrainMap>(map);
+    Send(sender_.Update(change, now_));
   }
 
   /// Lets time pass; the share of it during which the follower held a state published at most 0.3 s ago.
@@ -265,7 +267,9 @@ TEST(LossyNetworkTest, SpreadsTheSnapshotOfALargeMapOverTimeNearRegionsFirst) {
   ExampleMaps maps(4);
   auto map = std::make_shared<TerrainMap>(maps.First(1500));
   Time now{std::chrono::seconds(5)};
-  std::vector<TerrainSender::Packet> packets = sender.Update(map, now);
+  MapChange change;
+  change.map = map;
+  std::vector<TerrainSender::Packet> packets = sender.Update(change, now);
   std::vector<double> distances;
   int num_ticks = 0;
   while (true) {

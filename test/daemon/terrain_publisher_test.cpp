@@ -73,7 +73,9 @@ class TerrainPublisherTest : public testing::Test {
     pose.status = status;
     pose.T_world_left = map.T_world_left;
     publisher_.PublishPose(pose);
-    publisher_.PublishTerrain(std::make_shared<const TerrainMap>(map));
+    MapChange change;
+    change.map = std::make_shared<const TerrainMap>(map);
+    publisher_.PublishTerrain(change);
     ear_.HandleAll();
   }
 

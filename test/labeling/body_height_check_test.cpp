@@ -18,7 +18,7 @@ using testing::HasSubstr;
 std::vector<RegionShapePtr> Floor() {
   LabelScene scene;
   scene.AddLevel(TerrainLabel::kWalkway, {3, 0, 0}, 5, 2);
-  return {MakeRegionShape(scene.Update().polygons[0], Eigen::Matrix3d::Identity(), {0.52, 1.13, 0.5})};
+  return {MakeRegionShape(scene.Update().changed[0], Eigen::Matrix3d::Identity(), {0.52, 1.13, 0.5})};
 }
 
 /// All that is said while the robot walks 2 m over the floor, body at heights(x).

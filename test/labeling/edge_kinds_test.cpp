@@ -23,7 +23,7 @@ LabelScene Platform() {
 
 std::vector<RegionShapePtr> EdgeShapes(const LabelScene& scene) {
   std::vector<RegionShapePtr> shapes;
-  for (const PolygonPtr& polygon : scene.Update().polygons)
+  for (const PolygonPtr& polygon : scene.Update().changed)
     shapes.push_back(MakeRegionShape(polygon, kLevelWorld, {0.52, 1.13, 0.5}));
   return shapes;
 }
@@ -90,7 +90,7 @@ TEST(EdgeKindsTest, MeasuresSmallStepsUpAndDownAndWhereGroundGoesOn) {
 }
 
 TEST(EdgeKindsTest, KeepsADropThatIsNoLongerInView) {
-  const PolygonPtr polygon = Platform().Update().polygons[0];
+  const PolygonPtr polygon = Platform().Update().changed[0];
   TerrainRegion before;
   before.outline_world = polygon->outline_world;
   before.edges.assign(4, {});

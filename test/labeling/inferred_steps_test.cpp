@@ -31,7 +31,7 @@ TrackedStaircase TwoFacesSeen() {
 
 std::vector<RegionShapePtr> ShapesIn(const LabelScene& scene) {
   std::vector<RegionShapePtr> shapes;
-  for (const PolygonPtr& polygon : scene.Update().polygons)
+  for (const PolygonPtr& polygon : scene.Update().changed)
     shapes.push_back(MakeRegionShape(polygon, Eigen::Matrix3d::Identity(), {0.52, 1.13, 0.5}));
   return shapes;
 }

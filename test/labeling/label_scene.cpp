@@ -135,9 +135,12 @@ PolygonUpdate LabelScene::Update(const Noise& noise, unsigned seed) const {
     polygon->support = 1.0;
     polygon->num_observations = 10;
     polygon->first_seen = polygon->last_seen = update.t_capture;
-    update.polygons.push_back(polygon);
+    update.changed.push_back(polygon);
     update.added.push_back(polygon->id);
   }
+  constexpr PolygonId kMostPieces = 200;
+  for (PolygonId id = static_cast<PolygonId>(pieces.size()) + 1; id <= kMostPieces; ++id)
+    update.removed.push_back(id);
   return update;
 }
 

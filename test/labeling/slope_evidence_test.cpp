@@ -20,7 +20,7 @@ RegionShapePtr Incline(double slope_rad, double step_m, double distance_m, doubl
   const double along = 1.5 * std::cos(slope_rad), up = 1.5 * std::sin(slope_rad);
   LabelScene scene;
   scene.Add({{{2, -1, 0}, {2 + along, -1, up}, {2 + along, 1, up}, {2, 1, 0}}, {}, TerrainLabel::kRamp});
-  auto polygon = std::make_shared<Polygon>(*scene.Update().polygons.front());
+  auto polygon = std::make_shared<Polygon>(*scene.Update().changed.front());
   // Means over leaves scatter by half as much as points.
   double sum2 = 0.0;
   constexpr int kSamples = 1000;

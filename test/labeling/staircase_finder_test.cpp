@@ -45,7 +45,7 @@ std::vector<RegionShapePtr> InclineInStrips(double rms_m, double hidden_m = 0.15
                {},
                TerrainLabel::kUnknown});
   }
-  std::vector<PolygonPtr> polygons = scene.Update().polygons;
+  std::vector<PolygonPtr> polygons = scene.Update().changed;
   for (std::size_t i = 2; i < polygons.size(); ++i) {
     auto strip = std::make_shared<Polygon>(*polygons[i]);
     strip->noise_m = 0.003;
@@ -94,7 +94,7 @@ TEST(StaircaseFinderTest, MeasuresTheRiseByTheTopsOfFacesWhoseFeetAreHidden) {
   Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
   sight.T_level_left.translation() = Eigen::Vector3d(1.0, 0.0, 0.3);
   const StaircaseFinder finder{StaircaseConfig{}};
-  const auto found = finder.Find(ShapesOf(scene.Update().polygons), {}, sight, true);
+  const auto found = finder.Find(ShapesOf(scene.Update().changed), {}, sight, true);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].model.rise_m, kRise, 0.001);
   EXPECT_NEAR(found[0].model.foot_z, 0.0, 0.003);
@@ -115,7 +115,7 @@ TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
     sight.T_level_left.translation() = Eigen::Vector3d(1.5, 0.0, 1.5);
     // As good as single treads and faces are taken to be.
     const auto found =
-        finder.Find(ShapesOf(scene.Update({0.006, 0.01, 0.012}, seed).polygons), {}, sight, true);
+        finder.Find(ShapesOf(scene.Update({0.006, 0.01, 0.012}, seed).changed), {}, sight, true);
     if (found.size() != 1u) continue;
     sum2 += std::pow((found[0].model.rise_m - flight.rise_m) / found[0].rise_sigma_m, 2);
     ++num;
@@ -192,7 +192,7 @@ TEST(StaircaseFinderTest, MissesNoRisersWhereTheyAreOpen) {
   Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
   sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
   const StaircaseFinder finder{StaircaseConfig{}};
-  const auto found = finder.Find(ShapesOf(scene.Update().polygons), {}, sight, true);
+  const auto found = finder.Find(ShapesOf(scene.Update().changed), {}, sight, true);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 3);
   EXPECT_NEAR(found[0].model.rise_m, 0.155, 0.002);

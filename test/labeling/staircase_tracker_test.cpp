@@ -42,7 +42,7 @@ class StaircaseTrackerTest : public testing::Test {
   void See(const FoundStaircase& found, int times = 1) {
     for (int i = 0; i < times; ++i) tracker_.Update({found}, table_);
   }
-  const Staircase& told() const { return tracker_.confirmed().at(0).published; }
+  const Staircase& told() const { return tracker_.confirmed().begin()->second.published; }
 
   ShapeTable table_;
   StaircaseTracker tracker_;
@@ -73,7 +73,7 @@ TEST_F(StaircaseTrackerTest, KeepsTheCountWhileStepsAtEitherEndAreHidden) {
   See(Found(3, 6), 5);
   EXPECT_EQ(told().num_risers, 6);
   EXPECT_NEAR(told().base_world().x(), 3.0, 1e-6);
-  EXPECT_EQ(tracker_.confirmed()[0].places.back().step_index, 6);
+  EXPECT_EQ(tracker_.confirmed().begin()->second.places.back().step_index, 6);
 }
 
 TEST_F(StaircaseTrackerTest, BelievesMoreStepsWhenTheyAreSeenForSomeTime) {
@@ -106,6 +106,41 @@ TEST_F(StaircaseTrackerTest, ForgetsOneThatIsNoLongerFoundAndNeverUsesItsIdAgain
   EXPECT_TRUE(tracker_.confirmed().empty());
   See(Found(1, 6), kFrames);
   EXPECT_EQ(told().id, 2);
+}
+
+TEST_F(StaircaseTrackerTest, SleepsWhileNothingOfItIsLookedAtAndLosesWhatIsRemoved) {
+  See(Found(1, 6), kFrames);
+  const Eigen::Vector3d far_away(60, 0, 0.5);
+  for (int i = 0; i < 3 * kFrames; ++i) {
+    table_.Update({}, TestGravity(), far_away);
+    EXPECT_TRUE(tracker_.Models(table_).empty());
+    tracker_.Update({}, table_);
+    ASSERT_EQ(tracker_.confirmed().size(), 1u) << "it was not missed: nobody looked";
+  }
+  EXPECT_TRUE(tracker_.looked_at().empty());
+  PolygonUpdate update;
+  update.removed = {6};
+  table_.Update(update, TestGravity(), far_away);
+  tracker_.Models(table_);
+  tracker_.Update({}, table_);
+  ASSERT_EQ(tracker_.looked_at().size(), 1u);
+  EXPECT_EQ(told().region_ids, (std::vector<std::int64_t>{1, 2, 3, 4, 5}));
+  // Coming back, it is found under its id.
+  table_.Update({}, TestGravity(), {1, 0, 0.5});
+  EXPECT_EQ(tracker_.Models(table_).size(), 1u);
+  See(Found(1, 5));
+  ASSERT_EQ(tracker_.confirmed().size(), 1u);
+  EXPECT_EQ(told().id, 1);
+}
+
+TEST_F(StaircaseTrackerTest, SaysWhichStaircasesHaveGone) {
+  See(Found(1, 6), kFrames);
+  PolygonUpdate update;
+  update.removed = {1, 2, 3, 4, 5, 6};
+  table_.Update(update, TestGravity(), {60, 0, 0.5});
+  tracker_.Update({}, table_);
+  EXPECT_EQ(tracker_.removed(), std::vector<std::int64_t>{1});
+  EXPECT_TRUE(tracker_.confirmed().empty());
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ const Eigen::Matrix3d kLevel = Eigen::Matrix3d::Identity();
 
 std::vector<RegionShapePtr> StanceShapes(const LabelScene& scene) {
   std::vector<RegionShapePtr> shapes;
-  for (const PolygonPtr& polygon : scene.Update().polygons)
+  for (const PolygonPtr& polygon : scene.Update().changed)
     shapes.push_back(MakeRegionShape(polygon, kLevel, {0.52, 1.13, 0.5}));
   return shapes;
 }

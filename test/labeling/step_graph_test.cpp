@@ -15,7 +15,7 @@ constexpr StepLimits kStepLimits{0.35, 0.20, 0.10, 0.04};
 
 std::vector<RegionShapePtr> GraphShapes(const LabelScene& scene) {
   std::vector<RegionShapePtr> shapes;
-  for (const PolygonPtr& polygon : scene.Update().polygons)
+  for (const PolygonPtr& polygon : scene.Update().changed)
     shapes.push_back(MakeRegionShape(polygon, Eigen::Matrix3d::Identity(), {0.52, 1.13, 0.5}));
   return shapes;
 }

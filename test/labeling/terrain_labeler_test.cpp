@@ -34,6 +34,16 @@ LabelScene StairsUp() {
   return scene;
 }
 
+/// Takes polygons out of an update.
+template <typename Which>
+void Remove(PolygonUpdate* update, const Which& which) {
+  std::erase_if(update->changed, [&](const PolygonPtr& polygon) {
+    if (!which(polygon)) return false;
+    update->removed.push_back(polygon->id);
+    return true;
+  });
+}
+
 TEST(TerrainLabelerTest, LabelsFloorAndWallsOfACorridor) {
   const LabelScene scene = Corridor();
   TerrainLabeler labeler = MakeLabeler();
@@ -295,10 +305,10 @@ TEST(TerrainLabelerTest, NeverCallsAnInclineARampInWhichStepsMayHide) {
   scene.AddLevel(kWalkway, {1, 0, 0}, 6, 2);
   scene.Add({{{4, -1, 0}, {6, -1, 1.1}, {6, 1, 1.1}, {4, 1, 0}}, {}, kRamp});
   PolygonUpdate update = scene.Update();
-  auto far = std::make_shared<Polygon>(*update.polygons[1]);
+  auto far = std::make_shared<Polygon>(*update.changed[1]);
   far->rms_m = 0.024;
   far->noise_m = 0.026;
-  update.polygons[1] = far;
+  update.changed[1] = far;
   TerrainLabeler labeler = MakeLabeler();
   for (int frame = 0; frame < 10; ++frame) {
     labeler.Label(update, StandingAt(0, 0), TestGravity());
@@ -308,11 +318,11 @@ TEST(TerrainLabelerTest, NeverCallsAnInclineARampInWhichStepsMayHide) {
   auto near = std::make_shared<Polygon>(*far);
   near->rms_m = 0.002;
   near->noise_m = 0.004;
-  update.polygons[1] = near;
+  update.changed[1] = near;
   EXPECT_EQ(LabelOften(labeler, update, StandingAt(2.5, 0))->regions[1]->label, kRamp);
   // Evidence against it is heard at once.
-  update.polygons[1] = far;
-  EXPECT_EQ(labeler.Label(update, StandingAt(2.5, 0), TestGravity())->regions[1]->label, kUnknown);
+  update.changed[1] = far;
+  EXPECT_EQ(labeler.Label(update, StandingAt(2.5, 0), TestGravity()).map->regions[1]->label, kUnknown);
 }
 
 TEST(TerrainLabelerTest, KnowsAWallThatLeavesTheViewFromABoxThatEndsInIt) {
@@ -396,15 +406,15 @@ TEST(TerrainLabelerTest, SharesUnchangedRegionsAndCountsRevisions) {
   TerrainLabeler labeler = MakeLabeler();
   PolygonUpdate update = scene.Update();
   const TerrainMapPtr first = LabelOften(labeler, update, StandingAt(5, 0));
-  const TerrainMapPtr second = labeler.Label(update, StandingAt(5.01, 0), TestGravity());
+  const TerrainMapPtr second = labeler.Label(update, StandingAt(5.01, 0), TestGravity()).map;
   EXPECT_EQ(first->regions, second->regions);
   EXPECT_EQ(first->seq, second->seq);
 
-  auto wall = std::make_shared<Polygon>(*update.polygons[1]);
+  auto wall = std::make_shared<Polygon>(*update.changed[1]);
   ++wall->revision;
   wall->rms_m = 0.005;
-  update.polygons[1] = wall;
-  const TerrainMapPtr third = labeler.Label(update, StandingAt(5.01, 0), TestGravity());
+  update.changed[1] = wall;
+  const TerrainMapPtr third = labeler.Label(update, StandingAt(5.01, 0), TestGravity()).map;
   EXPECT_EQ(third->seq, second->seq + 1);
   EXPECT_EQ(third->regions[1]->revision, second->regions[1]->revision + 1);
   EXPECT_EQ(third->regions[0], second->regions[0]);
@@ -415,21 +425,22 @@ TEST(TerrainLabelerTest, TellsNothingThatIsNotMuchWiderThanItsNoiseButTheStepsOf
   const LabelScene scene = StairsUp();
   PolygonUpdate update = scene.Update();
   // Floor, walls and landing are wide enough even so; a riser of 0.17 m by 1.4 m alone would not be.
-  for (PolygonPtr& polygon : update.polygons) {
+  for (PolygonPtr& polygon : update.changed) {
     auto noisy = std::make_shared<Polygon>(*polygon);
     noisy->noise_m = 0.05;
     polygon = std::move(noisy);
   }
-  auto scrap = std::make_shared<Polygon>(*update.polygons.back());
-  scrap->id = update.polygons.back()->id + 1;
+  auto scrap = std::make_shared<Polygon>(*update.changed.back());
+  scrap->id = update.changed.back()->id + 1;
   scrap->area_m2 = 0.2;
   for (Eigen::Vector3d& p : scrap->outline_world) p += Eigen::Vector3d(0, 8, 0);
-  update.polygons.push_back(scrap);
+  update.changed.push_back(scrap);
+  std::erase(update.removed, scrap->id);
   TerrainLabeler labeler = MakeLabeler();
   const TerrainMapPtr map = LabelOften(labeler, update, StandingAt(5, 0));
   ASSERT_EQ(map->staircases.size(), 1u);
   EXPECT_EQ(map->staircases[0].num_risers, 6);
-  EXPECT_EQ(map->regions.size(), update.polygons.size() - 1);
+  EXPECT_EQ(map->regions.size(), update.changed.size() - 1);
   EXPECT_LT(map->regions.back()->id, scrap->id);
 }
 
@@ -439,14 +450,14 @@ TEST(TerrainLabelerTest, DoesNotFlickerWhenOneFrameIsWrong) {
   PolygonUpdate update = scene.Update();
   LabelOften(labeler, update, StandingAt(0, 0));
   PolygonUpdate wrong = update;
-  auto tilted = std::make_shared<Polygon>(*update.polygons[0]);
+  auto tilted = std::make_shared<Polygon>(*update.changed[0]);
   const Eigen::Vector3d normal = Eigen::Vector3d(0.5, 0, 1).normalized();
   tilted->plane_world = {normal, normal.dot(tilted->centroid_world)};
   for (Eigen::Vector3d& p : tilted->outline_world)
     p.z() = (tilted->plane_world.offset_m - normal.x() * p.x()) / normal.z();
-  wrong.polygons[0] = tilted;
-  EXPECT_EQ(labeler.Label(wrong, StandingAt(0, 0), TestGravity())->regions[0]->label, kWalkway);
-  EXPECT_EQ(labeler.Label(update, StandingAt(0, 0), TestGravity())->regions[0]->label, kWalkway);
+  wrong.changed[0] = tilted;
+  EXPECT_EQ(labeler.Label(wrong, StandingAt(0, 0), TestGravity()).map->regions[0]->label, kWalkway);
+  EXPECT_EQ(labeler.Label(update, StandingAt(0, 0), TestGravity()).map->regions[0]->label, kWalkway);
 }
 
 TEST(TerrainLabelerTest, KeepsTheIdOfAStaircaseWhileMoreOfItAppears) {
@@ -456,7 +467,7 @@ TEST(TerrainLabelerTest, KeepsTheIdOfAStaircaseWhileMoreOfItAppears) {
   std::int64_t id = 0;
   for (const int steps : {3, 4, 5, 6}) {
     PolygonUpdate some = complete;
-    std::erase_if(some.polygons, [&](const PolygonPtr& p) {
+    Remove(&some, [&](const PolygonPtr& p) {
       const KnownPiece& piece = all.pieces[static_cast<std::size_t>(p->id) - 1];
       return piece.step_index > steps ||
              (piece.label == kWalkway && p->centroid_world.z() > 0.5 && steps < 6);
@@ -475,7 +486,7 @@ TEST(TerrainLabelerTest, SurvivesFramesWithoutTheStaircaseAndForgetsItWhenItIsGo
   TerrainLabeler labeler = MakeLabeler();
   LabelOften(labeler, update, StandingAt(5, 0));
   PolygonUpdate gone = update;
-  std::erase_if(gone.polygons, [&](const PolygonPtr& p) {
+  Remove(&gone, [&](const PolygonPtr& p) {
     return scene.pieces[static_cast<std::size_t>(p->id) - 1].step_index > 0;
   });
   EXPECT_TRUE(LabelOften(labeler, gone, StandingAt(5, 0))->staircases.empty());

@@ -31,11 +31,16 @@ class Mapper {
   }
   const PolygonUpdate& update() const { return update_; }
   const PolygonMap& polygons() const { return merger_.polygons(); }
+  std::vector<PolygonPtr> All() const {
+    std::vector<PolygonPtr> all;
+    for (const auto& [id, entry] : merger_.polygons()) all.push_back(entry.polygon);
+    return all;
+  }
 
   /// The largest polygon that lies on a rectangle's plane (3 cm, 10 deg) over its middle.
   PolygonPtr On(const PlaneWorld::Rectangle& r) const {
     PolygonPtr best;
-    for (const PolygonPtr& p : update_.polygons) {
+    for (const PolygonPtr& p : All()) {
       const Eigen::Vector3d middle = r.corner + 0.5 * (r.edge_x + r.edge_y);
       if (p->plane_world.normal.dot(r.normal()) < std::cos(10 * kDegree)) continue;
       if (std::abs(p->plane_world.SignedDistance(middle)) > 0.03) continue;
@@ -70,8 +75,9 @@ TEST(PolygonMergerTest, FindsOneFloorWithinMillimetres) {
   world.AddFloor(0, 2, -1, 1, 0);
   Mapper mapper;
   for (int i = 0; i < 20; ++i) mapper.See(world, LookFrom(i, -0.6 + 0.02 * i, 0, 0.45, 0, 0.5));
-  ASSERT_EQ(mapper.update().polygons.size(), 1U);
-  const Polygon& floor = *mapper.update().polygons[0];
+  ASSERT_EQ(mapper.All().size(), 1U);
+  const PolygonPtr polygon = mapper.All()[0];
+  const Polygon& floor = *polygon;
   EXPECT_NEAR(floor.plane_world.offset_m, 0.0, 0.002);
   EXPECT_GT(floor.plane_world.normal.z(), std::cos(0.2 * kDegree));
   EXPECT_NEAR(floor.area_m2, 4.0, 0.3);  // the nearest corners are out of view
@@ -120,11 +126,11 @@ TEST(PolygonMergerTest, KeepsTheIdOfAPolygonThatGrows) {
   PolygonId id = 0;
   int revision = 0;
   for (int i = 0; i < 30; ++i) {
-    const PolygonUpdate& update = mapper.See(world, LookFrom(i, -0.5 + 0.1 * i, 0, 0.45, 0, 0.5));
+    mapper.See(world, LookFrom(i, -0.5 + 0.1 * i, 0, 0.45, 0, 0.5));
     if (i == 0) continue;  // nothing is believed that one frame alone has seen
-    ASSERT_FALSE(update.polygons.empty());
-    PolygonPtr largest = update.polygons[0];
-    for (const PolygonPtr& p : update.polygons)
+    ASSERT_FALSE(mapper.polygons().empty());
+    PolygonPtr largest = mapper.polygons().begin()->second.polygon;
+    for (const PolygonPtr& p : mapper.All())
       if (p->area_m2 > largest->area_m2) largest = p;
     if (id == 0) id = largest->id;
     EXPECT_EQ(largest->id, id);
@@ -139,7 +145,7 @@ TEST(PolygonMergerTest, KeepsTwoCoplanarPolygonsApartAcrossAGap) {
   world.AddFloor(0.6, 1.4, 0.1, 0.6, 0);
   Mapper mapper;
   for (int i = 0; i < 8; ++i) mapper.See(world, LookFrom(i, 0.02 * i, 0, 0.5, 0, 0.5));
-  EXPECT_EQ(mapper.update().polygons.size(), 2U);
+  EXPECT_EQ(mapper.All().size(), 2U);
 }
 
 TEST(PolygonMergerTest, RemovesThePolygonOfABoxThatHasLeft) {
@@ -169,7 +175,7 @@ TEST(PolygonMergerTest, GivesTheSameBitsForAnyNumberOfThreads) {
     Mapper mapper;
     std::vector<double> all;
     for (int i = 0; i < 5; ++i) mapper.See(world, LookFrom(i, 0.5 + 0.1 * i, 0, 0.9, 0, 0.35));
-    for (const PolygonPtr& p : mapper.update().polygons) {
+    for (const PolygonPtr& p : mapper.All()) {
       all.push_back(static_cast<double>(p->id));
       all.push_back(p->plane_world.offset_m);
       for (const Eigen::Vector3d& v : p->outline_world) all.insert(all.end(), {v.x(), v.y(), v.z()});
@@ -184,14 +190,15 @@ TEST(PolygonMergerTest, SharesPolygonsThatDidNotChange) {
   const PlaneWorld world = StairsWorld();
   Mapper mapper;
   for (int i = 0; i < 3; ++i) mapper.See(world, LookFrom(i, 0.5, 0, 0.9, 0, 0.35));
-  const PolygonUpdate before = mapper.update();
-  ASSERT_FALSE(before.polygons.empty());
+  const std::vector<PolygonPtr> before = mapper.All();
+  ASSERT_FALSE(before.empty());
   // A frame that looks elsewhere.
   const PolygonUpdate after = mapper.See({}, LookFrom(3, 0.5, 0, 0.9, std::numbers::pi, 0));
   EXPECT_TRUE(after.added.empty());
   EXPECT_TRUE(after.revised.empty());
   EXPECT_TRUE(after.removed.empty());
-  EXPECT_EQ(before.polygons, after.polygons);
+  EXPECT_TRUE(after.changed.empty());
+  EXPECT_EQ(before, mapper.All());
 }
 
 TEST(PolygonMergerTest, SaysWhatAFrameAddedRevisedRemovedAndSawAgain) {
@@ -207,6 +214,8 @@ TEST(PolygonMergerTest, SaysWhatAFrameAddedRevisedRemovedAndSawAgain) {
     for (const PolygonId id : update.added) EXPECT_TRUE(revisions.emplace(id, 1).second) << id;
     for (const PolygonId id : update.revised)
       EXPECT_EQ(mapper.polygons().Find(id)->revision, ++revisions.at(id));
+    EXPECT_EQ(update.changed.size(), update.added.size() + update.revised.size());
+    for (const PolygonPtr& polygon : update.changed) EXPECT_EQ(polygon, mapper.polygons().Find(polygon->id));
     for (const PolygonId id : update.removed) EXPECT_EQ(revisions.erase(id), 1U) << id;
     for (const PolygonId id : update.seen) {
       const PolygonMap::Entry* entry = mapper.polygons().FindEntry(id);
