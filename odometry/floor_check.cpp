@@ -36,11 +36,12 @@ Support SupportOf(const std::vector<Eigen::Vector3d>& points, const Eigen::Vecto
 
 }  // namespace
 
-double FloorShare(const std::vector<Eigen::Vector3d>& points_left, const Eigen::Vector3d& up_left) {
+double FloorShare(const std::vector<Eigen::Vector3d>& points_left, const Eigen::Vector3d& up_left,
+                  double max_tilt_rad) {
   constexpr int kTrials = 300;
   constexpr double kMostBeneath = 0.05;  // of all points: wrong matches
   constexpr double kNearestM = 0.1;      // below the camera
-  const double level_cosine = std::cos(15.0 * M_PI / 180.0);
+  const double level_cosine = std::cos(max_tilt_rad);
   std::vector<Eigen::Vector3d> near;
   for (const Eigen::Vector3d& p : points_left)
     if (p.norm() < kFarthestM) near.push_back(p);
@@ -68,8 +69,10 @@ bool FloorConfirmsBody(const std::vector<Eigen::Vector3d>& points_left, const Ei
                        const Eigen::Vector3d& image_up_left) {
   constexpr double kLeastShare = 0.3;
   constexpr double kMostOfTheOther = 0.5;
-  const double share = FloorShare(points_left, body_up_left);
-  return share >= kLeastShare && FloorShare(points_left, image_up_left) < kMostOfTheOther * share;
+  constexpr double kUprightRad = 15.0 * M_PI / 180.0, kAnyPitchRad = 60.0 * M_PI / 180.0;
+  const double share = FloorShare(points_left, body_up_left, kUprightRad);
+  return share >= kLeastShare &&
+         FloorShare(points_left, image_up_left, kAnyPitchRad) < kMostOfTheOther * share;
 }
 
 }  // namespace terrace

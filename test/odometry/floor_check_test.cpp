@@ -11,6 +11,7 @@ namespace terrace {
 namespace {
 
 const Eigen::Vector3d kImageUp = -Eigen::Vector3d::UnitY();
+constexpr double kLevelRad = 15.0 * M_PI / 180.0;
 const Eigen::Vector3d kLeftIsUp =
     -Eigen::Vector3d::UnitX();  // of a camera that is rolled clockwise by 90 deg
 
@@ -19,10 +20,10 @@ void AddFloor(const Eigen::Vector3d& up, double below_m, int count, std::mt19937
               std::vector<Eigen::Vector3d>* points) {
   std::uniform_real_distribution<double> ahead(0.6, 3.0), aside(-1.0, 1.0);
   std::normal_distribution<double> error(0.0, 0.01);
-  const Eigen::Vector3d right = Eigen::Vector3d::UnitZ().cross(up);
+  const Eigen::Vector3d forward = (Eigen::Vector3d::UnitZ() - up.z() * up).normalized();
+  const Eigen::Vector3d right = forward.cross(up);
   for (int i = 0; i < count; ++i)
-    points->push_back(Eigen::Vector3d::UnitZ() * ahead(*random) + aside(*random) * right -
-                      (below_m + error(*random)) * up);
+    points->push_back(ahead(*random) * forward + aside(*random) * right - (below_m + error(*random)) * up);
 }
 
 /// A wall ahead.
@@ -37,7 +38,7 @@ TEST(FloorCheckTest, ConfirmsABodyUnderAPortraitCameraByTheFloor) {
     std::vector<Eigen::Vector3d> points;
     AddFloor(kLeftIsUp, 0.5, 150, &random, &points);
     AddWall(80, &random, &points);
-    EXPECT_NEAR(FloorShare(points, kLeftIsUp), 150.0 / 230.0, 0.05);
+    EXPECT_NEAR(FloorShare(points, kLeftIsUp, kLevelRad), 150.0 / 230.0, 0.05);
     EXPECT_TRUE(FloorConfirmsBody(points, kLeftIsUp, kImageUp));
   }
 }
@@ -49,22 +50,37 @@ TEST(FloorCheckTest, LeavesItOpenWhereFloorAndSideWallCannotBeToldApart) {
   AddFloor(kImageUp, 0.5, 120, &random, &points);
   // Nothing is seen behind either.
   std::erase_if(points, [](const Eigen::Vector3d& p) { return p.x() > 0.93 || p.y() > 0.53; });
-  EXPECT_GT(FloorShare(points, kLeftIsUp), 0.3);
-  EXPECT_GT(FloorShare(points, kImageUp), 0.3);
+  EXPECT_GT(FloorShare(points, kLeftIsUp, kLevelRad), 0.3);
+  EXPECT_GT(FloorShare(points, kImageUp, kLevelRad), 0.3);
   EXPECT_FALSE(FloorConfirmsBody(points, kLeftIsUp, kImageUp));
+}
+
+TEST(FloorCheckTest, TakesNoSideWallForTheFloorOfACameraThatLooksFarDown) {
+  for (const double pitch_deg : {20.0, 45.0}) {
+    std::mt19937 random(107);
+    std::vector<Eigen::Vector3d> points;
+    const Eigen::Vector3d floor_up =
+        Eigen::AngleAxisd(pitch_deg * M_PI / 180.0, Eigen::Vector3d::UnitX()) * kImageUp;
+    AddFloor(kLeftIsUp, 0.9, 800, &random, &points);  // a wall, which the pitch leaves beside the camera
+    std::erase_if(points, [&](const Eigen::Vector3d& p) { return floor_up.dot(p) < -0.53; });
+    AddFloor(floor_up, 0.5, static_cast<int>(points.size()), &random, &points);
+    std::erase_if(points, [](const Eigen::Vector3d& p) { return p.x() > 0.93; });
+    EXPECT_GT(FloorShare(points, kLeftIsUp, kLevelRad), 0.3);
+    EXPECT_FALSE(FloorConfirmsBody(points, kLeftIsUp, kImageUp)) << pitch_deg;
+  }
 }
 
 TEST(FloorCheckTest, TakesNoWallAheadNoCeilingAndNoTableForAFloor) {
   std::mt19937 random(105);
   std::vector<Eigen::Vector3d> wall, ceiling, table;
   AddWall(200, &random, &wall);
-  EXPECT_EQ(FloorShare(wall, kImageUp), 0.0);
+  EXPECT_EQ(FloorShare(wall, kImageUp, kLevelRad), 0.0);
   AddFloor(kImageUp, -1.0, 200, &random, &ceiling);
-  EXPECT_EQ(FloorShare(ceiling, kImageUp), 0.0);
+  EXPECT_EQ(FloorShare(ceiling, kImageUp, kLevelRad), 0.0);
   AddFloor(kImageUp, 0.3, 100, &random, &table);
   AddFloor(kImageUp, 1.0, 60, &random, &table);
-  EXPECT_LT(FloorShare(table, kImageUp), 0.5) << "what lies beneath counts against it";
-  EXPECT_EQ(FloorShare({}, kImageUp), 0.0);
+  EXPECT_LT(FloorShare(table, kImageUp, kLevelRad), 0.5) << "what lies beneath counts against it";
+  EXPECT_EQ(FloorShare({}, kImageUp, kLevelRad), 0.0);
 }
 
 TEST(FloorCheckTest, WantsTheFloorWithin15DegOfLevel) {
@@ -74,7 +90,7 @@ TEST(FloorCheckTest, WantsTheFloorWithin15DegOfLevel) {
     AddFloor(kImageUp, 0.5, 200, &random, &points);
     const Eigen::Vector3d up =
         Eigen::AngleAxisd(tilt_deg * M_PI / 180.0, Eigen::Vector3d::UnitZ()) * kImageUp;
-    EXPECT_EQ(FloorShare(points, up) > 0.5, tilt_deg < 15.0) << tilt_deg;
+    EXPECT_EQ(FloorShare(points, up, kLevelRad) > 0.5, tilt_deg < 15.0) << tilt_deg;
   }
 }
 
