@@ -19,9 +19,9 @@
 namespace terrace {
 namespace {
 
-/// Tracing costs as much as the surface is large, while its plane follows every frame. Where cells of the evidence
-/// came or went by as many as these, a surface is traced again after a few frames, more where it is large;
-/// where less has changed, it waits longer.
+/// Tracing costs as much as the surface is large, while its plane follows every frame. Where cells of the
+/// evidence came or went by as many as these, a surface is traced again after a few frames, more where it is
+/// large; where less has changed, it waits longer.
 constexpr FrameId kLeastPatience = 3;
 constexpr FrameId kCellsPerFrame = 24;
 constexpr FrameId kLargePatience = 6;
@@ -75,6 +75,20 @@ class PolygonMerger::Impl {
     return update;
   }
 
+  PolygonUpdate SeeNothingNew(FrameId frame_id, Timestamp t_capture) {
+    PolygonUpdate update;
+    update.frame_id = frame_id;
+    update.t_capture = t_capture;
+    store_.touched().clear();
+    for (const SurfaceId id : late_)
+      if (const auto found = store_.surfaces().find(id); found != store_.surfaces().end())
+        found->second.trace_now = true;
+    Publish(&update);
+    SeeAgain(&update);
+    for (const auto& [id, entry] : polygons_) update.polygons.push_back(entry.polygon);
+    return update;
+  }
+
   void Fold(const std::vector<CellKey>& cells) {
     for (const CellKey& key : cells) store_.Fold(key);
   }
@@ -86,6 +100,7 @@ class PolygonMerger::Impl {
   /// Every surface in view gathers evidence; where much has changed it is traced anew.
   void Look(const FrameView& view) {
     in_view_.clear();
+    looked_frame_ = view.disparity->frame_id;
     const EvidenceLook look(view);
     for (auto& [id, surface] : store_.surfaces()) {
       const LookResult found =
@@ -107,7 +122,8 @@ class PolygonMerger::Impl {
       if (found == store_.surfaces().end()) continue;
       Surface& surface = found->second;
       // It grows into a polygon, or goes.
-      if (surface.polygons.empty() && !surface.cells.empty() && surface.area_m2 < config_.min_area_m2) continue;
+      if (surface.polygons.empty() && !surface.cells.empty() && surface.area_m2 < config_.min_area_m2)
+        continue;
       if (MayWait(surface, update->frame_id)) {
         late_.insert(id);
         for (std::size_t i = 0; i < surface.pieces.size(); ++i)
@@ -168,7 +184,7 @@ class PolygonMerger::Impl {
       const Surface& surface = found->second;
       for (std::size_t i = 0; i < surface.pieces.size(); ++i) {
         if (is_new(surface.polygons[i])) continue;
-        if (surface.pieces.size() > 1 && !ShowsIn(surface.pieces[i], surface.evidence, update->frame_id))
+        if (surface.pieces.size() > 1 && !ShowsIn(surface.pieces[i], surface.evidence, looked_frame_))
           continue;
         polygons_.Seen(surface.polygons[i], update->t_capture);
         update->seen.push_back(surface.polygons[i]);
@@ -197,8 +213,9 @@ class PolygonMerger::Impl {
   SurfaceGrower grower_;
   PolygonMap polygons_;
   PolygonId next_polygon_ = 1;
-  std::vector<SurfaceId> in_view_;  // of the frame at hand
-  std::set<SurfaceId> late_;        // surfaces whose outlines wait to be traced
+  std::vector<SurfaceId> in_view_;  // of the last frame that was looked at
+  FrameId looked_frame_ = 0;
+  std::set<SurfaceId> late_;  // surfaces whose outlines wait to be traced
 };
 
 PolygonMerger::PolygonMerger(const MergingConfig& config) {
@@ -209,6 +226,9 @@ PolygonMerger::~PolygonMerger() = default;
 
 PolygonUpdate PolygonMerger::Merge(const PatchUpdate& patches, const FrameView& view) {
   return impl_->Merge(patches, view);
+}
+PolygonUpdate PolygonMerger::SeeNothingNew(FrameId frame_id, Timestamp t_capture) {
+  return impl_->SeeNothingNew(frame_id, t_capture);
 }
 void PolygonMerger::Fold(const std::vector<CellKey>& cells) { impl_->Fold(cells); }
 const PolygonMap& PolygonMerger::polygons() const { return impl_->polygons(); }

@@ -59,15 +59,11 @@ MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose,
   TERRACE_CHECK(pose.trusted, pose.reason);
   MapChange change;
   const TerrainMapPtr before = map();
-  StageMeasurement measuring(meters_, StageId::kDecomposition);
-  const Cloud cloud = Triangulate(view.disparity, view.camera, config_.cloud, view.self_mask);
-  const ChangedCells cells = parts_->octree.Insert(cloud, view.camera, pose);
-  measuring.Next(StageId::kModelling);
-  const PatchUpdate patches = parts_->modeller.Fit(parts_->octree, cells);
-  measuring.Next(StageId::kMerging);
   const PolygonUpdate polygons =
-      parts_->merger.Merge(patches, {view.camera, pose.T_world_left, &view.disparity});
-  measuring.Next(StageId::kLabels);
+      parts_->resting.ShowsNothingNew(view.disparity, pose.T_world_left)
+          ? parts_->merger.SeeNothingNew(view.disparity.frame_id, view.disparity.t_capture)
+          : AddEvidence(view, pose);
+  StageMeasurement measuring(meters_, StageId::kLabels);
   change.map = parts_->labeler.Label(polygons, pose, gravity);
 
   FoldFarFrom(pose.T_world_left.translation());
@@ -75,6 +71,16 @@ MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose,
   CompareMaps(*before, *change.map, &change);
   CountCells(&change);
   return change;
+}
+
+PolygonUpdate TerrainMapper::AddEvidence(const DepthView& view, const PoseEstimate& pose) {
+  StageMeasurement measuring(meters_, StageId::kDecomposition);
+  const Cloud cloud = Triangulate(view.disparity, view.camera, config_.cloud, view.self_mask);
+  const ChangedCells cells = parts_->octree.Insert(cloud, view.camera, pose);
+  measuring.Next(StageId::kModelling);
+  const PatchUpdate patches = parts_->modeller.Fit(parts_->octree, cells);
+  measuring.Next(StageId::kMerging);
+  return parts_->merger.Merge(patches, {view.camera, pose.T_world_left, &view.disparity});
 }
 
 void TerrainMapper::FoldFarFrom(const Eigen::Vector3d& p_world) {
