@@ -78,6 +78,19 @@ class PolygonMerger::Impl {
     return update;
   }
 
+  PolygonUpdate SeeNothingNew(FrameId frame_id, Timestamp t_capture) {
+    PolygonUpdate update;
+    update.frame_id = frame_id;
+    update.t_capture = t_capture;
+    store_.touched().clear();
+    for (const SurfaceId id : late_)
+      if (const auto found = store_.surfaces().find(id); found != store_.surfaces().end())
+        found->second.trace_now = true;
+    Publish(&update);
+    SeeAgain(&update);
+    return update;
+  }
+
   void Fold(const std::vector<CellKey>& cells) {
     for (const CellKey& key : cells) store_.Fold(key);
   }
@@ -89,6 +102,7 @@ class PolygonMerger::Impl {
   /// Every surface in view gathers evidence; where much has changed it is traced anew.
   void Look(const FrameView& view) {
     in_view_.clear();
+    looked_frame_ = view.disparity->frame_id;
     const EvidenceLook look(view);
     for (auto& [id, surface] : store_.surfaces()) {
       const LookResult found =
@@ -172,7 +186,7 @@ class PolygonMerger::Impl {
       const Surface& surface = found->second;
       for (std::size_t i = 0; i < surface.pieces.size(); ++i) {
         if (is_new(surface.polygons[i])) continue;
-        if (surface.pieces.size() > 1 && !ShowsIn(surface.pieces[i], surface.evidence, update->frame_id))
+        if (surface.pieces.size() > 1 && !ShowsIn(surface.pieces[i], surface.evidence, looked_frame_))
           continue;
         polygons_.Seen(surface.polygons[i], update->t_capture);
         update->seen.push_back(surface.polygons[i]);
@@ -201,8 +215,9 @@ class PolygonMerger::Impl {
   SurfaceGrower grower_;
   PolygonMap polygons_;
   PolygonId next_polygon_ = 1;
-  std::vector<SurfaceId> in_view_;  // of the frame at hand
-  std::set<SurfaceId> late_;        // surfaces whose outlines wait to be traced
+  std::vector<SurfaceId> in_view_;  // of the last frame that was looked at
+  FrameId looked_frame_ = 0;
+  std::set<SurfaceId> late_;  // surfaces whose outlines wait to be traced
 };
 
 PolygonMerger::PolygonMerger(const MergingConfig& config) {
@@ -213,6 +228,9 @@ PolygonMerger::~PolygonMerger() = default;
 
 PolygonUpdate PolygonMerger::Merge(const PatchUpdate& patches, const FrameView& view) {
   return impl_->Merge(patches, view);
+}
+PolygonUpdate PolygonMerger::SeeNothingNew(FrameId frame_id, Timestamp t_capture) {
+  return impl_->SeeNothingNew(frame_id, t_capture);
 }
 void PolygonMerger::Fold(const std::vector<CellKey>& cells) { impl_->Fold(cells); }
 const PolygonMap& PolygonMerger::polygons() const { return impl_->polygons(); }

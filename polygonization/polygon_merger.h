@@ -22,8 +22,12 @@ class PolygonMerger {
   /// @param view  the frame that the patches were last added to
   PolygonUpdate Merge(const PatchUpdate& patches, const FrameView& view);
 
-  /// The points of these cells are forgotten. Their polygons stay, with their ids, and are taken up again where as
-  /// much is seen as before.
+  /// A frame shows what the one before has shown: its polygons are seen again, and outlines that waited to be
+  /// traced are.
+  PolygonUpdate SeeNothingNew(FrameId frame_id, Timestamp t_capture);
+
+  /// The points of these cells are forgotten. Their polygons stay, with their ids, and are taken up again
+  /// where as much is seen as before.
   void Fold(const std::vector<CellKey>& cells);
 
   /// The whole map as it is after the last Merge().

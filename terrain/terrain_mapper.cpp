@@ -38,15 +38,11 @@ TerrainMapper::TerrainMapper(const TerrainConfig& config, const StereoCamera& ca
 
 MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose, const Gravity& gravity) {
   TERRACE_CHECK(pose.trusted, pose.reason);
-  StageMeasurement measuring(meters_, StageId::kDecomposition);
-  const Cloud cloud = Triangulate(view.disparity, view.camera, config_.cloud, view.self_mask);
-  const ChangedCells cells = parts_->octree.Insert(cloud, view.camera, pose);
-  measuring.Next(StageId::kModelling);
-  const PatchUpdate patches = parts_->modeller.Fit(parts_->octree, cells);
-  measuring.Next(StageId::kMerging);
   const PolygonUpdate polygons =
-      parts_->merger.Merge(patches, {view.camera, pose.T_world_left, &view.disparity});
-  measuring.Next(StageId::kLabels);
+      parts_->resting.ShowsNothingNew(view.disparity, pose.T_world_left)
+          ? parts_->merger.SeeNothingNew(view.disparity.frame_id, view.disparity.t_capture)
+          : AddEvidence(view, pose);
+  StageMeasurement measuring(meters_, StageId::kLabels);
   MapChange change = parts_->labeler.Label(polygons, pose, gravity);
 
   FoldFarFrom(pose.T_world_left.translation());
@@ -54,6 +50,16 @@ MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose,
   gravity_hint_ = parts_->level_planes.Hint(gravity);
   CountCells(&change);
   return change;
+}
+
+PolygonUpdate TerrainMapper::AddEvidence(const DepthView& view, const PoseEstimate& pose) {
+  StageMeasurement measuring(meters_, StageId::kDecomposition);
+  const Cloud cloud = Triangulate(view.disparity, view.camera, config_.cloud, view.self_mask);
+  const ChangedCells cells = parts_->octree.Insert(cloud, view.camera, pose);
+  measuring.Next(StageId::kModelling);
+  const PatchUpdate patches = parts_->modeller.Fit(parts_->octree, cells);
+  measuring.Next(StageId::kMerging);
+  return parts_->merger.Merge(patches, {view.camera, pose.T_world_left, &view.disparity});
 }
 
 void TerrainMapper::FoldFarFrom(const Eigen::Vector3d& p_world) {

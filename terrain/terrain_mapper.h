@@ -20,6 +20,7 @@
 #include "polygonization/cell_modeller.h"
 #include "polygonization/polygon_merger.h"
 #include "stereo/disparity_image.h"
+#include "terrain/resting_view.h"
 #include "terrain/terrain_config.h"
 
 namespace terrace {
@@ -71,12 +72,16 @@ class TerrainMapper {
     Parts(const TerrainConfig& config, const StereoCamera& camera,
           const std::optional<Eigen::Isometry3d>& T_body_left, std::int64_t map_id);
 
+    RestingView resting;
     TerrainOctree octree;
     CellModeller modeller;
     PolygonMerger merger;
     TerrainLabeler labeler;
     LevelPlanes level_planes;
   };
+
+  /// The polygons after what a frame shows is added to them.
+  PolygonUpdate AddEvidence(const DepthView& view, const PoseEstimate& pose);
 
   /// Beyond the window evidence is forgotten, and regions stay.
   void FoldFarFrom(const Eigen::Vector3d& p_world);

@@ -74,6 +74,22 @@ TEST_F(TerrainMapperTest, WhatFramesAddReviseAndRemoveIsTheWholeMap) {
   EXPECT_GE(revisions.size(), 2U);
 }
 
+TEST_F(TerrainMapperTest, ARobotThatStandsChangesNothingUntilSomethingElseChanges) {
+  Walker walker(Room());
+  for (int i = 0; i < 43; ++i) walker.See(&mapper_, 0.0);
+  for (int i = 0; i < 30; ++i) {
+    const MapChange change = walker.See(&mapper_, 0.0);
+    EXPECT_TRUE(change.added.empty() && change.revised.empty() && change.removed.empty()) << i;
+    EXPECT_FALSE(change.seen.empty()) << i;
+  }
+  PlaneWorld with_another_box = Room();
+  with_another_box.AddBox(1.0, 1.2, 0.5, 0.8, 0, 0.2);
+  walker.Change(with_another_box);
+  int num_added = 0;
+  for (int i = 0; i < 5; ++i) num_added += static_cast<int>(walker.See(&mapper_, 0.0).added.size());
+  EXPECT_GT(num_added, 0);
+}
+
 TEST_F(TerrainMapperTest, ANewMapKnowsNothingOfTheOldOne) {
   Walker room(Room());
   for (int i = 0; i < 8; ++i) room.See(&mapper_, 0.0);
