@@ -154,22 +154,6 @@ Json FeatureOf(const TerrainRegion& region) {
           {"properties", properties}};
 }
 
-/// Leaves that a triangle passes through, by points on it no farther apart than half a leaf.
-void AddLeaves(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, double voxel_m,
-               std::vector<LeafIndex>* leaves) {
-  const double longest_m = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
-  const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * longest_m / voxel_m)));
-  for (int i = 0; i <= steps; ++i) {
-    const double along = static_cast<double>(i) / steps;
-    const Eigen::Vector3d from = a + along * (b - a), to = a + along * (c - a);
-    const int across = std::max(1, static_cast<int>(std::ceil(2.0 * (to - from).norm() / voxel_m)));
-    for (int j = 0; j <= across; ++j) {
-      const Eigen::Vector3d p = from + (static_cast<double>(j) / across) * (to - from);
-      leaves->push_back((p / voxel_m).array().floor().cast<int>());
-    }
-  }
-}
-
 }  // namespace
 
 std::string PlyBytes(const TerrainMap& map) {
@@ -251,11 +235,9 @@ std::string OctomapText(const TerrainMap& map, double voxel_m, OctomapFormat for
   };
   std::vector<OccupiedLeaf> occupied;
   for (const auto& region : map.regions) {
-    const RegionMesh mesh = MeshOf(*region);
     leaves.clear();
-    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3)
-      AddLeaves(mesh.vertices_world[mesh.triangles[i]], mesh.vertices_world[mesh.triangles[i + 1]],
-                mesh.vertices_world[mesh.triangles[i + 2]], voxel_m, &leaves);
+    for (const Eigen::Vector3d& p : PointsOn(*region, 0.5 * voxel_m))
+      leaves.push_back((p / voxel_m).array().floor().cast<int>());
     std::sort(leaves.begin(), leaves.end(), ascending);
     leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
     for (const LeafIndex& leaf : leaves) occupied.push_back({leaf, 0, 1});

@@ -2,6 +2,7 @@
 #include "tools/map_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "client/flat_polygon.h"
@@ -31,7 +32,37 @@ std::vector<Side> SidesBetween(const FlatPolygon& polygon, double low_y, double 
   return sides;
 }
 
+/// From one point to the other, both included.
+void AddLine(const RegionShape& shape, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+             double spacing_m, std::vector<Eigen::Vector3d>* points_world) {
+  const int steps = std::max(1, static_cast<int>(std::ceil((to - from).norm() / spacing_m)));
+  for (int i = 0; i <= steps; ++i)
+    points_world->push_back(shape.ToWorld(from + (static_cast<double>(i) / steps) * (to - from)));
+}
+
 }  // namespace
+
+std::vector<Eigen::Vector3d> PointsOn(const TerrainRegion& region, double spacing_m) {
+  const RegionShape shape(region);
+  const FlatPolygon& polygon = shape.polygon();
+  std::vector<Eigen::Vector3d> points_world;
+  for (std::size_t i = 0; i < polygon.num_edges(); ++i)
+    AddLine(shape, polygon.start(i), polygon.end(i), spacing_m, &points_world);
+  std::vector<double> crossings;
+  for (double y = polygon.box().min().y() + 0.5 * spacing_m; y < polygon.box().max().y(); y += spacing_m) {
+    crossings.clear();
+    for (std::size_t i = 0; i < polygon.num_edges(); ++i) {
+      const Eigen::Vector2d& a = polygon.start(i);
+      const Eigen::Vector2d& b = polygon.end(i);
+      if ((a.y() <= y) == (b.y() <= y)) continue;
+      crossings.push_back(a.x() + (b.x() - a.x()) * ((y - a.y()) / (b.y() - a.y())));
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2)
+      AddLine(shape, {crossings[i], y}, {crossings[i + 1], y}, spacing_m, &points_world);
+  }
+  return points_world;
+}
 
 RegionMesh MeshOf(const TerrainRegion& region) {
   const RegionShape shape(region);

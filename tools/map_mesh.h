@@ -21,4 +21,7 @@ struct RegionMesh {
 /// and vertices on one line need nothing of their own.
 RegionMesh MeshOf(const TerrainRegion& region);
 
+/// Points of the region on lines this far apart, no farther apart on them, and along all its edges.
+std::vector<Eigen::Vector3d> PointsOn(const TerrainRegion& region, double spacing_m);
+
 }  // namespace terrace
