@@ -20,6 +20,8 @@ static_assert(std::endian::native == std::endian::little, "files are little endi
 /// Appends numbers as they lie in memory.
 class ByteWriter {
  public:
+  /// Room for this many bytes, so that they need not be moved while they grow.
+  void Reserve(std::size_t num_bytes) { bytes_.reserve(num_bytes); }
   template <typename Number>
   void Put(Number value) {
     static_assert(std::is_arithmetic_v<Number>);

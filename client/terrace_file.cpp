@@ -22,7 +22,7 @@ constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kChecksumAt = 24;
 constexpr std::size_t kHeaderBytes = 32;
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
 // Least bytes that an item takes, so that counts are checked before anything is allocated.
 constexpr std::size_t kMinRegionBytes = 200;
@@ -78,8 +78,8 @@ void PutRegion(ByteWriter* out, const TerrainRegion& region) {
   out->Put(static_cast<std::uint32_t>(region.edges.size()));
   for (const RegionEdge& edge : region.edges) {
     out->Put(static_cast<std::int8_t>(edge.kind));
-    out->Put(edge.step_m.value_or(kNone));
-    out->Put(edge.sigma_m.value_or(kNone));
+    out->Put(edge.step_m.value_or(kNotGiven));
+    out->Put(edge.sigma_m.value_or(kNotGiven));
   }
 }
 
@@ -257,10 +257,25 @@ void RequireHeader(ByteReader* in, std::span<const std::uint8_t> bytes) {
   if (in->Take<std::uint64_t>() != Checksum(bytes)) in->Fail("the checksum differs: the file is damaged");
 }
 
+/// Enough room for the bytes of a map but for long reasons.
+std::size_t RoomFor(const TerrainMap& map) {
+  constexpr std::size_t kHeadBytes = 1024, kRegionBytes = 512, kStaircaseBytes = 512;
+  std::size_t num_bytes = kHeadBytes;
+  for (const auto& region : map.regions) {
+    std::size_t num_vertices = region->outline_world.size();
+    for (const Ring& hole : region->holes_world) num_vertices += hole.size();
+    num_bytes += kRegionBytes + kVertexBytes * num_vertices + kEdgeBytes * region->edges.size();
+  }
+  for (const Staircase& staircase : map.staircases)
+    num_bytes += kStaircaseBytes + sizeof(std::int64_t) * staircase.region_ids.size();
+  return num_bytes;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> TerraceFileBytes(const TerrainMap& map) {
   ByteWriter out;
+  out.Reserve(RoomFor(map));
   for (const char c : kMagic) out.Put(c);
   out.Put(kVersion);
   out.Put(std::uint32_t{0});
