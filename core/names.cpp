@@ -2,6 +2,7 @@
 #include <array>
 
 #include "core/check.h"
+#include "core/explanation.h"
 #include "core/landmark_sightings.h"
 #include "core/pose_estimate.h"
 #include "core/reason_code.h"
@@ -21,6 +22,30 @@ const char* NameIn(const std::array<const char*, N>& names, Enum value) {
 constexpr std::array<const char*, kNumTerrainLabels> kLabelNames = {
     "unknown", "walkway", "ramp", "stair_tread", "stair_riser", "wall", "obstacle", "level"};
 constexpr std::array<const char*, kNumEdgeKinds> kEdgeKindNames = {"limit", "drop", "rise", "joins"};
+constexpr std::array<const char*, kNumLabelRules> kLabelRuleNames = {"not_looked_at",
+                                                                     "step",
+                                                                     "inferred_step",
+                                                                     "reachable_ground",
+                                                                     "continues_ground",
+                                                                     "reachable_slope",
+                                                                     "stands_on_ground",
+                                                                     "out_of_reach",
+                                                                     "high_face",
+                                                                     "face_out_of_view",
+                                                                     "continues_wall",
+                                                                     "face_with_top",
+                                                                     "face_ends",
+                                                                     "steep_on_ground",
+                                                                     "too_small",
+                                                                     "top_not_seen",
+                                                                     "slope_not_resolved",
+                                                                     "slope_not_plane",
+                                                                     "slope_just_seen",
+                                                                     "slope_out_of_reach",
+                                                                     "slope_too_small",
+                                                                     "steep_foot_not_known",
+                                                                     "too_small_to_walk_on",
+                                                                     "faces_down"};
 
 template <typename Enum, std::size_t N>
 std::optional<Enum> ValueIn(const std::array<const char*, N>& names, const std::string& name) {
@@ -68,6 +93,12 @@ const char* Name(EdgeKind kind) { return NameIn(kEdgeKindNames, kind); }
 
 std::optional<EdgeKind> EdgeKindFromName(const std::string& name) {
   return ValueIn<EdgeKind>(kEdgeKindNames, name);
+}
+
+const char* Name(LabelRule rule) { return NameIn(kLabelRuleNames, rule); }
+
+std::optional<LabelRule> LabelRuleFromName(const std::string& name) {
+  return ValueIn<LabelRule>(kLabelRuleNames, name);
 }
 
 }  // namespace terrace

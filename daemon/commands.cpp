@@ -2,6 +2,7 @@
 #include "daemon/commands.h"
 
 #include <array>
+#include <charconv>
 #include <chrono>
 #include <fstream>
 #include <string_view>
@@ -72,11 +73,28 @@ command_reply_v1_t CommandObeyer::Obey(const command_v1_t& command) {
       return SaveMap(command.argument);
     case command_v1_t::SEND_SNAPSHOT:
       return actions_.send_snapshot() ? Ok("sent") : Refused("there is no map yet");
+    case command_v1_t::EXPLAIN:
+      return Explain(command.argument);
     case command_v1_t::RELOAD_CONFIG:
       return Refused("settings are read at the start: restart the daemon");
     default:
       return Refused("no such command: " + std::to_string(command.command));
   }
+}
+
+command_reply_v1_t CommandObeyer::Explain(const std::string& argument) const {
+  std::int64_t id = 0;
+  const char* const end = argument.data() + argument.size();
+  const auto [read, error] = std::from_chars(argument.data(), end, id);
+  if (error != std::errc() || read != end)
+    return Refused("argument '" + argument + "' must be the id of a region or staircase");
+  const Explanations explanations = actions_.explain(id);
+  std::string text;
+  for (const RegionExplanation& region : explanations.regions) text += region.text + '\n';
+  for (const StaircaseExplanation& staircase : explanations.staircases) text += staircase.text + '\n';
+  if (text.empty()) return Refused("the map has neither a region nor a staircase " + argument);
+  text.pop_back();
+  return Ok(std::move(text));
 }
 
 command_reply_v1_t CommandObeyer::SaveMap(const std::string& name) const {

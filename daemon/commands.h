@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -8,6 +9,7 @@
 #include <terrace/command_reply_v1_t.hpp>
 #include <terrace/command_v1_t.hpp>
 
+#include "core/explanation.h"
 #include "core/terrain_map.h"
 
 namespace terrace {
@@ -16,8 +18,9 @@ namespace terrace {
 struct CommandActions {
   std::function<void()> reset_map;
   std::function<void(bool paused)> pause_map;
-  std::function<bool()> send_snapshot;  ///< false: there is no map yet
-  std::function<TerrainMapPtr()> map;   ///< null: there is none yet
+  std::function<bool()> send_snapshot;                   ///< false: there is no map yet
+  std::function<TerrainMapPtr()> map;                    ///< null: there is none yet
+  std::function<Explanations(std::int64_t id)> explain;  ///< of region and staircase with this id
 };
 
 /// Obeys the commands that arrive on the bus, where anyone can send anything.
@@ -32,6 +35,7 @@ class CommandObeyer {
 
  private:
   command_reply_v1_t SaveMap(const std::string& name) const;
+  command_reply_v1_t Explain(const std::string& argument) const;
 
   const std::filesystem::path save_folder_;
   const CommandActions actions_;

@@ -230,15 +230,17 @@ class LiveNode {
   }
 
   CommandActions Actions() {
-    return {[this] {
-              if (mapper_) mapper_->run.pipeline().RequestMapReset();
-            },
-            [this](bool paused) {
-              paused_ = paused;
-              if (mapper_) mapper_->run.pipeline().PauseMap(paused);
-            },
-            [this] { return mapper_ && mapper_->publisher.SendSnapshot(); },
-            [this] { return mapper_ ? mapper_->run.map() : nullptr; }};
+    return {
+        [this] {
+          if (mapper_) mapper_->run.pipeline().RequestMapReset();
+        },
+        [this](bool paused) {
+          paused_ = paused;
+          if (mapper_) mapper_->run.pipeline().PauseMap(paused);
+        },
+        [this] { return mapper_ && mapper_->publisher.SendSnapshot(); },
+        [this] { return mapper_ ? mapper_->run.map() : nullptr; },
+        [this](std::int64_t id) { return mapper_ ? mapper_->run.pipeline().Explain(id) : Explanations{}; }};
   }
 
   void Answer(const command_v1_t& command) {

@@ -41,6 +41,7 @@ void MapperRun::Finish(std::int64_t num_lost_before) {
   totals.realtime = pace_ == Pace::kNewest;
   totals.gravity = pipeline_.gravity();
   totals.stages = pipeline_.meters().costs();
+  totals.explanations = pipeline_.Explain();
   for (const auto& sink : sinks_) sink->Finish(totals);
 }
 

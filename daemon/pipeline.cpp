@@ -84,6 +84,7 @@ TrackedPose Pipeline::Track(const SensorFrame& sensors, const StereoFramePtr& fr
 
 FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity,
                           const TrackedPose& tracked) {
+  const std::lock_guard lock(mapper_mutex_);
   // The map of another world has no place in this one.
   const bool new_world = std::exchange(epoch_, tracked.pose.epoch) != tracked.pose.epoch;
   if (reset_requested_.exchange(false) || new_world) mapper_.Reset();
@@ -107,7 +108,7 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
 }
 
 std::string Pipeline::CheckPair(const StereoFrame& frame, const DisparityImage& disparity,
-                         std::vector<std::string>* warnings) {
+                                std::vector<std::string>* warnings) {
   const PairHealth health = pair_monitor_.Check(frame, disparity);
   const PairFindings findings{health.left_blank,  health.right_blank,  health.half_blank, health.different,
                               health.left_stands, health.right_stands, health.both_stand, health.rows_off};
@@ -116,6 +117,11 @@ std::string Pipeline::CheckPair(const StereoFrame& frame, const DisparityImage& 
     warnings->push_back(reason.empty() ? "the two cameras show the same again" : reason);
   }
   return health.stops_mapping() ? health.Reason() : "";
+}
+
+Explanations Pipeline::Explain(const std::optional<std::int64_t>& only) const {
+  const std::lock_guard lock(mapper_mutex_);
+  return mapper_.Explain(only);
 }
 
 void Pipeline::PostLessons(const DisparityImage* disparity, const TrackedPose& tracked, bool mapped) {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/camera.h"
+#include "core/explanation.h"
 #include "core/landmark_sightings.h"
 #include "core/map_change.h"
 #include "core/pose_estimate.h"
@@ -80,6 +82,10 @@ class Pipeline {
   /// While the map is paused, frames have a pose but are not mapped. From any thread.
   void PauseMap(bool paused) { map_paused_ = paused; }
 
+  /// Why regions and staircases of the map are what they are; waits while a frame is mapped. From any thread.
+  /// @param only  the id of one region or staircase (either may have it); none: all
+  Explanations Explain(const std::optional<std::int64_t>& only = std::nullopt) const;
+
   const StereoCamera& camera() const { return rectifier_.camera(); }
   const Eigen::Matrix3d& R_rect_raw() const { return rectifier_.R_rect_raw(); }
   const std::optional<Eigen::Isometry3d>& T_body_left() const { return mounting_.T_body_left; }
@@ -112,6 +118,7 @@ class Pipeline {
   cv::Mat1b self_mask_;
   DisparityMatcher matcher_;
   VisualOdometry odometry_;
+  mutable std::mutex mapper_mutex_;  // held while the map changes or is asked
   TerrainMapper mapper_;
   std::size_t num_warnings_ = 0;  // of the odometry, given out so far; of the thread that tracks
   FeedbackExchange<std::optional<GravityHint>> gravity_hints_;

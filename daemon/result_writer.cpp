@@ -11,6 +11,7 @@
 
 #include "core/check.h"
 #include "datasets/image_file.h"
+#include "results/explanations_file.h"
 #include "results/frames_file.h"
 #include "results/map_file.h"
 #include "results/replay_result.h"
@@ -140,6 +141,7 @@ void ResultWriter::WriteDisparity(const DisparityImage& disparity) const {
 void ResultWriter::Finish(const RunTotals& totals) {
   const std::string map_json = TerrainMapJson(*map_);
   Write(dir_ / "terrain_map.json", map_json);
+  Write(dir_ / "explanations.jsonl", ExplanationsText(totals.explanations));
   ReplayStats stats;
   stats.frames = num_frames_;
   stats.tracked = num_tracking_ + num_bridging_;

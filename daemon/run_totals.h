@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/explanation.h"
 #include "core/pose_estimate.h"
 #include "core/stage_meter.h"
 
@@ -18,6 +19,7 @@ struct RunTotals {
   bool realtime = false;  ///< frames came at their own pace, and the newest won
   Gravity gravity;
   std::vector<StageCost> stages;
+  Explanations explanations;  ///< of the map at the end
 };
 
 }  // namespace terrace

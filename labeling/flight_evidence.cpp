@@ -209,6 +209,12 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   found.num_treads = ends.num_treads();
   found.foot_shape = ends.foot_shape;
   found.head_shape = ends.head_shape;
+  found.evidence = {num_steps,
+                    static_cast<int>(num_to_see),
+                    sharp,
+                    evidence.faces_tile,
+                    evidence.sides_agree,
+                    std::sqrt(evidence.z.reduced_chi2()) * kTreadHeightSigma};
   found.members = std::move(evidence.members);
   found.rise_sigma_m = evidence.z.SlopeSigma();
   found.run_sigma_m = RunSigma(evidence, found.model);

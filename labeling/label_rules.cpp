@@ -25,6 +25,33 @@ double Seasoned(double confidence, const RegionShape& shape) {
 
 }  // namespace
 
+const char* WhyUndecided(LabelRule rule) {
+  switch (rule) {
+    case LabelRule::kTooSmall:
+      return "too small";
+    case LabelRule::kTopNotSeen:
+      return "its top was not seen";
+    case LabelRule::kSlopeNotResolved:
+      return "inclined, not resolved";
+    case LabelRule::kSlopeNotPlane:
+      return "inclined, not a plane";
+    case LabelRule::kSlopeJustSeen:
+      return "inclined, just seen";
+    case LabelRule::kSlopeOutOfReach:
+      return "not reachable";
+    case LabelRule::kSlopeTooSmall:
+      return "inclined, too small to walk on";
+    case LabelRule::kSteepFootNotKnown:
+      return "steep, nothing known of its foot";
+    case LabelRule::kTooSmallToWalkOn:
+      return "too small to walk on";
+    case LabelRule::kFacesDown:
+      return "faces down";
+    default:
+      return "";
+  }
+}
+
 bool GroundGoesOn(const RegionShape& a, const RegionShape& b, const std::vector<RegionShapePtr>& shapes,
                   const LabelingConfig& config) {
   const Eigen::Vector3d reach(config.max_unseen_gap_m, config.max_unseen_gap_m, config.max_joint_height_m);
@@ -174,27 +201,35 @@ LabelRules::Face LabelRules::MeasureFace(int i) const {
 Verdict LabelRules::DecideFace(int i) const {
   const RegionShape& face = *scene_.shapes[i];
   if (face.area_m2 < config_.min_decided_area_m2 || face.columns.empty())
-    return {TerrainLabel::kUnknown, 0.3, false, "too small"};
+    return {TerrainLabel::kUnknown, 0.3, LabelRule::kTooSmall};
   const Face measured = MeasureFace(i);
+  Verdict verdict = DecideMeasuredFace(i, measured);
+  verdict.evidence.height_m = measured.height_m;
+  return verdict;
+}
+
+Verdict LabelRules::DecideMeasuredFace(int i, const Face& measured) const {
+  const RegionShape& face = *scene_.shapes[i];
   const double upright = ChancePositive(
       std::min(face.slope_rad, std::numbers::pi - face.slope_rad) - Radians(config_.min_upright_deg),
       face.slope_sigma_rad);
   const double doubt = measured.ground_known ? 1.0 : 0.8;
   if (measured.height_m >= config_.min_wall_height_m)
-    return {TerrainLabel::kWall, Seasoned(0.95 * upright * doubt, face)};
-  if (measured.has_top) return {TerrainLabel::kObstacle, Seasoned(0.9 * upright * doubt, face), true};
+    return {TerrainLabel::kWall, Seasoned(0.95 * upright * doubt, face), LabelRule::kHighFace};
+  if (measured.has_top)
+    return {TerrainLabel::kObstacle, Seasoned(0.9 * upright * doubt, face), LabelRule::kFaceWithTop};
   switch (scene_.tops[i]) {
     case TopView::kOutOfView:
-      return {TerrainLabel::kWall, Seasoned(0.75 * upright * doubt, face)};
+      return {TerrainLabel::kWall, Seasoned(0.75 * upright * doubt, face), LabelRule::kFaceOutOfView};
     case TopView::kSeen:
-      return {TerrainLabel::kObstacle, Seasoned(0.75 * upright * doubt, face)};
+      return {TerrainLabel::kObstacle, Seasoned(0.75 * upright * doubt, face), LabelRule::kFaceEnds};
     case TopView::kNotJudged:
       break;
   }
-  return {TerrainLabel::kUnknown, 0.3, false, "its top was not seen"};
+  return {TerrainLabel::kUnknown, 0.3, LabelRule::kTopNotSeen};
 }
 
-bool LabelRules::ContinuesAWall(int i, const std::vector<Verdict>& verdicts) const {
+int LabelRules::WallContinuedBy(int i, const std::vector<Verdict>& verdicts) const {
   // Matching leaves holes in plain walls: what lies in the plane of a wall and near it is part of it, unless
   // something lies on top.
   const RegionShape& face = *scene_.shapes[i];
@@ -208,9 +243,9 @@ bool LabelRules::ContinuesAWall(int i, const std::vector<Verdict>& verdicts) con
     if (face.plane.normal.dot(wall.plane.normal) < kSameNormal) continue;
     if (std::abs(wall.plane.SignedDistance(face.centroid)) > kSamePlane) continue;
     if (width.Overlap(Extent(wall.plan.front(), face.face_axis)) < -max_gap) continue;
-    if (face.heights().Overlap(wall.heights()) >= -max_gap) return true;
+    if (face.heights().Overlap(wall.heights()) >= -max_gap) return j;
   }
-  return false;
+  return -1;
 }
 
 /// An incline in which steps may hide, or that is no plane, is never told for sure.
@@ -220,16 +255,17 @@ std::optional<Verdict> LabelRules::Undecided(const RegionShape& slope) const {
     case SlopeEvidence::kPlane:
       return std::nullopt;
     case SlopeEvidence::kNotResolved:
-      return Verdict{TerrainLabel::kUnknown, 0.4, false, "inclined, not resolved"};
+      return Verdict{TerrainLabel::kUnknown, 0.4, LabelRule::kSlopeNotResolved};
     case SlopeEvidence::kNotPlane:
-      return Verdict{TerrainLabel::kUnknown, 0.4, false, "inclined, not a plane"};
+      return Verdict{TerrainLabel::kUnknown, 0.4, LabelRule::kSlopeNotPlane};
   }
   return std::nullopt;
 }
 
 Verdict LabelRules::DecideSteep(int i) const {
   const RegionShape& s = *scene_.shapes[i];
-  if (s.area_m2 < 2.0 * config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3, false, "too small"};
+  if (s.area_m2 < 2.0 * config_.min_decided_area_m2)
+    return {TerrainLabel::kUnknown, 0.3, LabelRule::kTooSmall};
   if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
   constexpr double kFootTolerance = 0.1;
   const auto ground =
@@ -237,8 +273,8 @@ Verdict LabelRules::DecideSteep(int i) const {
                    s.bounds.min().z() + kFootTolerance, i);
   if (!ground || s.bounds.min().z() - *ground > config_.ground_search_m ||
       scene_.nearest_view_m[i] > config_.max_resolving_distance_m)
-    return {TerrainLabel::kUnknown, 0.3, false, "steep, nothing known of its foot"};
-  return {TerrainLabel::kObstacle, Seasoned(0.6, s)};
+    return {TerrainLabel::kUnknown, 0.3, LabelRule::kSteepFootNotKnown};
+  return {TerrainLabel::kObstacle, Seasoned(0.6, s), LabelRule::kSteepOnGround};
 }
 
 std::optional<double> LabelRules::HeightOverSurroundings(int i) const {
@@ -269,21 +305,31 @@ Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
   const RegionShape& s = *scene_.shapes[i];
   const double level = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
   if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
-  if (large[i] && scene_.reachable[i]) return {TerrainLabel::kWalkway, Seasoned(0.97 * level, s)};
-  if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3, false, "too small"};
+  if (large[i] && scene_.reachable[i])
+    return {TerrainLabel::kWalkway, Seasoned(0.97 * level, s), LabelRule::kReachableGround};
+  if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3, LabelRule::kTooSmall};
   const std::optional<double> height = HeightOverSurroundings(i);
+  Verdict verdict(TerrainLabel::kUnknown, 0.4, LabelRule::kTooSmallToWalkOn);
   // The top of something that stands on the ground; higher up it is a shelf or a ledge.
   if (height && *height < config_.min_wall_height_m) {
-    return {TerrainLabel::kObstacle, Seasoned(0.85 * level, s)};
+    verdict = {TerrainLabel::kObstacle, Seasoned(0.85 * level, s), LabelRule::kStandsOnGround};
+  } else if (const int ground = height ? -1 : GroundContinuedBy(i, large); ground >= 0) {
+    verdict = {TerrainLabel::kWalkway, Seasoned(0.7 * level, s), LabelRule::kContinuesGround};
+    verdict.evidence.decided_by = scene_.shapes[ground]->id();
+  } else if (!scene_.reachable[i]) {
+    verdict = {TerrainLabel::kLevel, Seasoned(0.6 * level, s), LabelRule::kOutOfReach};
   }
-  // A scrap of the floor, cut off by something that hides the rest.
-  for (int j = 0; !height && j < static_cast<int>(scene_.shapes.size()); ++j) {
+  verdict.evidence.height_m = height;
+  return verdict;
+}
+
+/// A scrap of the floor, cut off by something that hides the rest.
+int LabelRules::GroundContinuedBy(int i, const std::vector<bool>& large) const {
+  for (int j = 0; j < static_cast<int>(scene_.shapes.size()); ++j) {
     if (!large[j] || !scene_.reachable[j] || !Level(*scene_.shapes[j])) continue;
-    if (GroundGoesOn(s, *scene_.shapes[j], scene_.shapes, config_))
-      return {TerrainLabel::kWalkway, Seasoned(0.7 * level, s)};
+    if (GroundGoesOn(*scene_.shapes[i], *scene_.shapes[j], scene_.shapes, config_)) return j;
   }
-  if (!scene_.reachable[i]) return {TerrainLabel::kLevel, Seasoned(0.6 * level, s)};
-  return {TerrainLabel::kUnknown, 0.4, false, "too small to walk on"};
+  return -1;
 }
 
 Verdict LabelRules::DecideSlope(int i, bool large) const {
@@ -292,12 +338,15 @@ Verdict LabelRules::DecideSlope(int i, bool large) const {
   const double sloped =
       ChancePositive(s.slope_rad - Radians(robot_.max_walkway_slope_deg), s.slope_sigma_rad);
   if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
-  if (large && scene_.reachable[i]) return {TerrainLabel::kRamp, Seasoned(0.95 * walkable * sloped, s)};
-  if (s.area_m2 < config_.min_decided_area_m2 || large)
-    return {TerrainLabel::kUnknown, 0.3, false, large ? "not reachable" : "too small"};
-  return HeightOverSurroundings(i)
-             ? Verdict{TerrainLabel::kObstacle, Seasoned(0.6, s)}
-             : Verdict{TerrainLabel::kUnknown, 0.3, false, "inclined, too small to walk on"};
+  if (large && scene_.reachable[i])
+    return {TerrainLabel::kRamp, Seasoned(0.95 * walkable * sloped, s), LabelRule::kReachableSlope};
+  if (large) return {TerrainLabel::kUnknown, 0.3, LabelRule::kSlopeOutOfReach};
+  if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3, LabelRule::kTooSmall};
+  const std::optional<double> height = HeightOverSurroundings(i);
+  Verdict verdict(TerrainLabel::kUnknown, 0.3, LabelRule::kSlopeTooSmall);
+  if (height) verdict = {TerrainLabel::kObstacle, Seasoned(0.6, s), LabelRule::kStandsOnGround};
+  verdict.evidence.height_m = height;
+  return verdict;
 }
 
 std::vector<Verdict> LabelRules::Decide() const {
@@ -317,15 +366,25 @@ std::vector<Verdict> LabelRules::Decide() const {
         verdicts[i] = DecideFace(i);
         break;
       case Lean::kFacingDown:
-        verdicts[i] = {TerrainLabel::kUnknown, 0.5, false, "faces down"};
+        verdicts[i] = {TerrainLabel::kUnknown, 0.5, LabelRule::kFacesDown};
         break;
     }
   }
   const std::vector<Verdict> first = verdicts;
   for (int i = 0; i < n; ++i) {
     if (scene_.shapes[i]->lean != Lean::kUpright || first[i].label == TerrainLabel::kWall) continue;
-    if (first[i].topped) continue;
-    if (ContinuesAWall(i, first)) verdicts[i] = {TerrainLabel::kWall, Seasoned(0.7, *scene_.shapes[i])};
+    if (first[i].evidence.rule == LabelRule::kFaceWithTop) continue;
+    const int wall = WallContinuedBy(i, first);
+    if (wall < 0) continue;
+    verdicts[i].label = TerrainLabel::kWall;
+    verdicts[i].confidence = Seasoned(0.7, *scene_.shapes[i]);
+    verdicts[i].evidence.rule = LabelRule::kContinuesWall;
+    verdicts[i].evidence.decided_by = scene_.shapes[wall]->id();
+  }
+  for (int i = 0; i < n; ++i) {
+    verdicts[i].evidence.large = large[i];
+    verdicts[i].evidence.reachable = scene_.reachable[i];
+    verdicts[i].evidence.nearest_view_m = scene_.nearest_view_m[i];
   }
   return verdicts;
 }

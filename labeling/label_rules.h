@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/explanation.h"
 #include "core/terrain_map.h"
 #include "labeling/labeling_config.h"
 #include "labeling/plan_index.h"
@@ -29,12 +30,29 @@ struct Scene {
   const std::vector<double>& nearest_view_m;  ///< least distance from which each was seen
 };
 
+/// What a label was decided by.
+struct LabelEvidence {
+  LabelRule rule = LabelRule::kNotLookedAt;
+  /// Of a face: its top over the ground at its foot. Of a support: over the lower ground beside it.
+  std::optional<double> height_m;
+  PolygonId decided_by = 0;  ///< the wall or the ground that it continues; 0: none
+  bool large = false;        ///< of a support: alone or with what joins it
+  bool reachable = false;    ///< likewise
+  double nearest_view_m = 0.0;
+  std::optional<TerrainLabel> by_itself;  ///< of a step: what the rules make of it without its staircase
+};
+
 struct Verdict {
+  Verdict() = default;
+  Verdict(TerrainLabel l, double c, LabelRule rule) : label(l), confidence(c) { evidence.rule = rule; }
+
   TerrainLabel label = TerrainLabel::kUnknown;
   double confidence = 0.0;
-  bool topped = false;   ///< of a face: a level piece lies on its upper edge
-  const char* why = "";  ///< what keeps it undecided
+  LabelEvidence evidence;
 };
+
+/// What keeps a region undecided by this rule; empty: the rule decides.
+const char* WhyUndecided(LabelRule rule);
 
 /// True when two supports are at one height across a gap, and what lies between them was not seen to be
 /// lower.
@@ -60,8 +78,12 @@ class LabelRules {
   std::optional<double> GroundHeight(const Eigen::Vector2d& p, double max_z, int except) const;
   Face MeasureFace(int i) const;
   std::optional<double> HeightOverSurroundings(int i) const;
-  bool ContinuesAWall(int i, const std::vector<Verdict>& verdicts) const;
+  /// The wall; -1: it continues none.
+  int WallContinuedBy(int i, const std::vector<Verdict>& verdicts) const;
+  /// The ground; -1: there is none.
+  int GroundContinuedBy(int i, const std::vector<bool>& large) const;
   Verdict DecideFace(int i) const;
+  Verdict DecideMeasuredFace(int i, const Face& measured) const;
   Verdict DecideSteep(int i) const;
   Verdict DecideLevel(int i, const std::vector<bool>& large) const;
   Verdict DecideSlope(int i, bool large) const;

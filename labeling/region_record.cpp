@@ -7,7 +7,9 @@
 namespace terrace {
 Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
   // Calling stairs a ramp is the worst mistake: a ramp is told late and taken back at once.
-  const Verdict undecided{TerrainLabel::kUnknown, 0.4, false, "inclined, just seen"};
+  Verdict undecided(TerrainLabel::kUnknown, 0.4, LabelRule::kSlopeJustSeen);
+  undecided.evidence = verdict.evidence;
+  undecided.evidence.rule = LabelRule::kSlopeJustSeen;
   if (!region_) return verdict.label == TerrainLabel::kRamp ? undecided : verdict;
   const TerrainLabel told = region_->label;
   if (verdict.label == told) {
@@ -26,7 +28,11 @@ Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
     return verdict;
   }
   if (step_before || told == TerrainLabel::kUnknown) return undecided;
-  return {told, region_->confidence};
+  Verdict held;
+  held.label = told;
+  held.confidence = region_->confidence;
+  held.evidence = evidence_;
+  return held;
 }
 
 void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, const InStaircase* stairs) {
@@ -36,9 +42,11 @@ void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, con
   const bool same_polygon = region_ && !OutOfDate(*shape);
   shape_ = shape;
   told_ = true;
+  evidence_ = verdict.evidence;
+  const char* const why = WhyUndecided(verdict.evidence.rule);
   const std::optional<std::int64_t> staircase_id = stairs ? std::optional(stairs->id) : std::nullopt;
   const std::optional<int> step_index = stairs ? std::optional(stairs->place.step_index) : std::nullopt;
-  if (same_polygon && region_->label == verdict.label && region_->why == verdict.why &&
+  if (same_polygon && region_->label == verdict.label && region_->why == why &&
       region_->staircase_id == staircase_id && region_->step_index == step_index && region_->edges == edges &&
       std::abs(region_->confidence - verdict.confidence) < kConfidenceStep)
     return;
@@ -47,7 +55,7 @@ void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, con
   region->revision = region_ ? region_->revision + 1 : 1;
   region->label = verdict.label;
   region->confidence = verdict.confidence;
-  region->why = verdict.why;
+  region->why = why;
   region->plane_world = polygon.plane_world;
   region->plane_covariance = polygon.plane_covariance;
   region->centroid_world = polygon.centroid_world;

@@ -36,15 +36,24 @@ class RegionRecord {
   bool told() const { return told_; }
   const std::shared_ptr<const TerrainRegion>& region() const { return region_; }
 
+  /// That the region was made of; null before it was told.
+  const RegionShapePtr& shape() const { return shape_; }
+  /// Of the label that was told.
+  const LabelEvidence& evidence() const { return evidence_; }
+  TerrainLabel next_label() const { return next_label_; }
+  /// Frames in a row that said next_label() instead of the label that was told.
+  int num_next() const { return num_next_; }
+
   std::vector<RegionEdge> edges;
   bool edges_stale = true;  ///< something beside the shape has changed since
 
  private:
   bool told_ = false;
   std::shared_ptr<const TerrainRegion> region_;
-  RegionShapePtr shape_;  ///< that the region was made of
+  RegionShapePtr shape_;
+  LabelEvidence evidence_;
   TerrainLabel next_label_ = TerrainLabel::kUnknown;
-  int num_next_ = 0;  ///< frames in a row that said next_label instead of the published one
+  int num_next_ = 0;
 };
 
 }  // namespace terrace

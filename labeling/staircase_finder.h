@@ -19,6 +19,16 @@ struct StepMember {
   bool leaning = false;  ///< evidence of the step, but no region to step on
 };
 
+/// What a staircase was found by.
+struct StaircaseEvidence {
+  int num_seen = 0;           ///< steps that obey its law, however many fragments each has
+  int num_to_see = 0;         ///< steps that the camera could see from where it is
+  bool seen_sharply = false;  ///< noise moves most of its members by little of a rise
+  bool faces_tile = false;    ///< at least two faces reach from one step to the next
+  bool sides_agree = false;
+  double height_rms_m = 0.0;  ///< of the steps about the law
+};
+
 /// A staircase among the shapes of one map.
 struct FoundStaircase {
   FlightModel model;
@@ -27,6 +37,7 @@ struct FoundStaircase {
   double rise_sigma_m = 0.0;
   double run_sigma_m = 0.0;
   double confidence = 0.0;
+  StaircaseEvidence evidence;
   std::vector<StepMember> members;  ///< ascending by shape
   std::optional<int> foot_shape;    ///< floor before riser 1
   std::optional<int> head_shape;    ///< landing above the last riser

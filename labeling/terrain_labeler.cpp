@@ -9,6 +9,8 @@
 #include "labeling/body_height_check.h"
 #include "labeling/drop_view.h"
 #include "labeling/edge_kinds.h"
+#include "labeling/explanation_words.h"
+#include "labeling/kept_evidence.h"
 #include "labeling/label_rules.h"
 #include "labeling/predicted_regions.h"
 #include "labeling/reachability.h"
@@ -104,7 +106,40 @@ class TerrainLabeler::Impl {
   const TerrainMapPtr& map() const { return map_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
 
+  Explanations Explain(const std::optional<std::int64_t>& only) const {
+    const auto wanted = [&only](std::int64_t id) { return !only || id == *only; };
+    const ExplanationWords words(config_, stairs_, robot_);
+    Explanations explanations;
+    for (const auto& [id, record] : records_) {
+      if (!record.told() || !wanted(id)) continue;
+      explanations.regions.push_back(ExplainRegion(record, NeighborsOf(id)));
+    }
+    for (const auto& region : predicted_.regions())
+      if (wanted(region->id)) explanations.regions.push_back(ExplainInferredStep(*region));
+    for (const TrackedStaircase& staircase : tracker_.confirmed())
+      if (wanted(staircase.id)) explanations.staircases.push_back(ExplainStaircase(staircase));
+    for (RegionExplanation& region : explanations.regions) region.text = words.Of(region);
+    for (StaircaseExplanation& staircase : explanations.staircases) staircase.text = words.Of(staircase);
+    return explanations;
+  }
+
  private:
+  /// As far as the region was looked at in the last frame.
+  std::vector<NeighborRegion> NeighborsOf(PolygonId id) const {
+    std::vector<NeighborRegion> neighbors;
+    const int i = table_.IndexOf(id);
+    if (i < 0) return neighbors;
+    const RegionShape& shape = *table_.shapes()[i];
+    for (const auto& [j, link] : graph_.neighbors()[i]) {
+      const RegionShape& other = *table_.shapes()[j];
+      Eigen::Vector2d beside;  // of the other, near the middle of this one
+      other.PlanDistance(shape.centroid.head<2>(), &beside);
+      neighbors.push_back(
+          {other.id(), link == Link::kJoins, other.HeightAt(beside) - shape.HeightAt(beside)});
+    }
+    return neighbors;
+  }
+
   /// Height of the ground that the robot stands on when its body is as high as the settings say.
   double GroundUnder(const PoseEstimate& pose) const {
     const Eigen::Vector3d body_world = (pose.T_world_left * T_left_body_).translation();
@@ -181,8 +216,10 @@ class TerrainLabeler::Impl {
     }
     RefreshEdges(i, record);
     if (step) {
-      const bool riser = step->place.riser;
-      verdict = {riser ? TerrainLabel::kStairRiser : TerrainLabel::kStairTread, step->confidence};
+      verdict.evidence.by_itself = verdict.label;
+      verdict.label = step->place.riser ? TerrainLabel::kStairRiser : TerrainLabel::kStairTread;
+      verdict.confidence = step->confidence;
+      verdict.evidence.rule = LabelRule::kStep;
     } else {
       verdict = record.Steady(verdict, config_.frames_to_change_label);
     }
@@ -242,6 +279,10 @@ TerrainLabeler::~TerrainLabeler() = default;
 TerrainMapPtr TerrainLabeler::Label(const PolygonUpdate& update, const PoseEstimate& pose,
                                     const Gravity& gravity) {
   return impl_->Label(update, pose, gravity);
+}
+
+Explanations TerrainLabeler::Explain(const std::optional<std::int64_t>& only) const {
+  return impl_->Explain(only);
 }
 
 const std::vector<std::string>& TerrainLabeler::warnings() const { return impl_->warnings(); }

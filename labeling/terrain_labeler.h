@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/explanation.h"
 #include "core/pose_estimate.h"
 #include "core/terrain_map.h"
 #include "labeling/labeling_config.h"
@@ -28,6 +29,10 @@ class TerrainLabeler {
 
   /// @param pose  where the camera is now: what is reachable is reachable from there
   TerrainMapPtr Label(const PolygonUpdate& update, const PoseEstimate& pose, const Gravity& gravity);
+
+  /// Why regions and staircases are what they were last told to be, in words and numbers.
+  /// @param only  the id of one region or staircase (either may have it); none: all
+  Explanations Explain(const std::optional<std::int64_t>& only = std::nullopt) const;
 
   /// Sentences for the user, new with the last frame.
   const std::vector<std::string>& warnings() const;

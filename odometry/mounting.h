@@ -16,8 +16,8 @@ namespace terrace {
 struct MountingConfig {
   /// What the calibration's body is (T_BS, T_body_left, an IMU). body: the robot's own, x forward, z up,
   /// however the camera is turned on it. sensor: the axes of something mounted anyhow. auto: the robot's,
-  /// unless its z axis is more than 60 deg from the camera's up and neither body attitude nor leg odometry
-  /// finds it upright within 15 deg.
+  /// unless its z axis is more than 60 deg from the camera's up and nothing finds it upright within 15 deg:
+  /// neither body attitude nor leg odometry nor, where these say nothing, the floor in the first image.
   std::string source = "auto";
   /// Any of these replaces the calibration's body. How the camera is turned on the body, from looking level
   /// along x: rolled about its optical axis (clockwise seen from behind), then pitched (nose down), then

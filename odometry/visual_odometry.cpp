@@ -11,6 +11,7 @@
 #include "odometry/bridging.h"
 #include "odometry/covariance.h"
 #include "odometry/credible.h"
+#include "odometry/floor_check.h"
 #include "odometry/image_pyramid.h"
 #include "odometry/imu_check.h"
 #include "odometry/keyframe_archive.h"
@@ -138,7 +139,7 @@ class VisualOdometry::Impl {
   /// @param biases  of the IMU, as far as they are known
   PoseEstimate Start(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
                      const SensorSamples& samples, const KeyframeState& biases) {
-    const WorldFrame world = LayWorldFrame(config_, mounting_, samples);
+    const WorldFrame world = LayWorld(frame, left, right, samples);
     if (!world.warning.empty() && warnings_.empty()) warnings_.push_back(world.warning);
     gravity_.Start(world.gravity, world.without_imu);
     if (mounting_.T_left_imu)
@@ -149,7 +150,6 @@ class VisualOdometry::Impl {
     pose.t_capture = frame.t_capture;
     pose.status = TrackingStatus::kTracking;
     pose.T_world_left = world.T_world_left;
-    AddKeyframe(frame, left, right, pose.T_world_left, {});
     window_.keyframes.back().gyro_bias = biases.gyro_bias;
     window_.keyframes.back().accel_bias = biases.accel_bias;
     StartWindow(Matrix6d::Zero());
@@ -164,6 +164,28 @@ class VisualOdometry::Impl {
     pose.num_matches = pose.num_inliers = static_cast<int>(window_.landmarks.size());
     Remember(pose);
     return pose;
+  }
+
+  /// With the first keyframe in it. The floor that this shows may confirm a body that was taken for the axes
+  /// of a sensor, where the robot itself says nothing.
+  WorldFrame LayWorld(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
+                      const SensorSamples& samples) {
+    WorldFrame world = LayWorldFrame(config_, mounting_, samples);
+    AddKeyframe(frame, left, right, world.T_world_left, {});
+    const bool robot_speaks = config_.use_priors && !samples.priors.empty();
+    if (world.warning.empty() || robot_speaks) return world;
+    std::vector<Eigen::Vector3d> points_left;
+    for (const Landmark& landmark : window_.landmarks)
+      points_left.push_back(landmark.ray_host / landmark.inverse_depth);
+    const Eigen::Vector3d body_up_left =
+        mounting_.T_body_left->linear().transpose() * Eigen::Vector3d::UnitZ();
+    if (!FloorConfirmsBody(points_left, body_up_left, mounting_.image_up_left)) return world;
+    mounting_.source = MountingSource::kBody;
+    world = LayWorldFrame(config_, mounting_, samples);
+    window_.keyframes.back().T_world_left = world.T_world_left;
+    warnings_.push_back(
+        "the camera is turned far against the body's up; the floor confirms that it sits so on the robot");
+    return world;
   }
 
   /// Where the camera has come to cannot be known any more: another world begins at this frame.

@@ -2,6 +2,7 @@
 #include "polygonization/cell_modeller.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -34,6 +35,8 @@ constexpr int kRefits = 3;
 constexpr float kLoose = 1.9F;
 constexpr float kTight = 0.5F;
 constexpr float kDistance = 4.5F;
+/// The noise of a leaf is what it may be at worst; a plane is also tried at these shares of it.
+constexpr std::array<float, 3> kScales = {1.0F, 0.5F, 0.25F};
 
 /// A small generator with the same numbers on every system (SplitMix64, Steele et al. 2014).
 class Random {
@@ -62,6 +65,8 @@ std::uint64_t SeedOf(const CellKey& key) {
 struct CellPlane {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
   float offset = 0.0F;
+  /// The share of what the noise of its leaves allows within which they lie.
+  float scale = 1.0F;
 };
 
 /// Fits the planes of one cell, one after the other, each to what the ones before left over.
@@ -106,7 +111,8 @@ class CellFit {
     const float facing = Facing(s, plane);
     if (facing < kLeastFacing) return 1.0F;
     const float distance = plane.normal.dot(s.mean) - plane.offset;
-    const float allowed = Allowed(s, facing);
+    const float allowed =
+        std::max(plane.scale * Allowed(s, facing), static_cast<float>(config_.inlier_distance_m));
     return std::min(1.0F, distance * distance / (allowed * allowed));
   }
   float Allowed(const Surfel& s, float facing) const {
@@ -159,12 +165,17 @@ class CellFit {
     }
     // How much each explains; sorted by minus that.
     std::vector<std::pair<float, CellPlane>> tried;
-    for (const CellPlane& hint : hints_) tried.emplace_back(-kHintBonus * Explained(sample, hint), hint);
+    for (CellPlane hint : hints_) {
+      const float explained = kHintBonus * Explained(sample, &hint);
+      tried.emplace_back(-explained, hint);
+    }
     const std::size_t num_hints = tried.size();
     for (int h = 0; h < config_.num_hypotheses; ++h) {
-      const std::optional<CellPlane> plane =
+      std::optional<CellPlane> plane =
           Through(rest[random_.Below(n)], rest[random_.Below(n)], rest[random_.Below(n)]);
-      if (plane) tried.emplace_back(-Explained(sample, *plane), *plane);
+      if (!plane) continue;
+      const float explained = Explained(sample, &*plane);
+      tried.emplace_back(-explained, *plane);
     }
     if (tried.empty()) return std::nullopt;
     const auto explains_more = [](const auto& a, const auto& b) { return a.first < b.first; };
@@ -177,9 +188,10 @@ class CellFit {
     for (std::size_t i = 0; i < tried.size(); ++i) {
       const bool hint = i < num_hints;
       if ((hint ? i : i - num_hints) >= kFinalists) continue;
-      const float score = Explained(rest, tried[i].second) * (hint ? kHintBonus : 1.0F);
+      CellPlane plane = tried[i].second;
+      const float score = Explained(rest, &plane) * (hint ? kHintBonus : 1.0F);
       if (best && score <= best_score) continue;
-      best = tried[i].second;
+      best = plane;
       best_score = score;
     }
     return best;
@@ -188,21 +200,30 @@ class CellFit {
   /// leave of what is allowed, and a share for how tight it is, as the logarithm of the likelihood has it
   /// (MLESAC, Torr and Zisserman 2000; half of it here, since leaves are no points and their noise is a
   /// guess). So a plane across the steps of a flight far away, which is loose because it is seen from the
-  /// front, does not pass for the treads, which are tight because they are seen flat.
-  float Explained(const std::vector<int>& indices, const CellPlane& plane) const {
-    float sum = 0.0F;
+  /// front, does not pass for the treads, which are tight because they are seen flat. How tight it is shows
+  /// in the leaves, too: their noise is a guess, so the plane takes that share of it which explains them best
+  /// (`plane->scale`).
+  float Explained(const std::vector<int>& indices, CellPlane* plane) const {
+    std::array<float, kScales.size()> sums{};
+    const float floor = 1.0F / static_cast<float>(config_.inlier_distance_m);
     for (const int i : indices) {
       const Surfel& s = surfels_[i];
-      const float facing = Facing(s, plane);
+      const float facing = Facing(s, *plane);
       if (facing < kLeastFacing) continue;
-      const float distance = plane.normal.dot(s.mean) - plane.offset;
-      const float allowed = Allowed(s, facing);  // three standard deviations
-      const float share = distance / allowed;
-      if (share >= 1.0F || share <= -1.0F) continue;
-      const float gain = kLoose + kTight * Log(cell_size_m_ / allowed) - kDistance * share * share;
-      if (gain > 0.0F) sum += s.size_m * s.size_m * gain;
+      const float distance = plane->normal.dot(s.mean) - plane->offset;
+      const float per_allowed = 1.0F / Allowed(s, facing);  // three standard deviations
+      if (std::abs(distance) * per_allowed >= 1.0F) continue;
+      const float area = s.size_m * s.size_m;
+      for (std::size_t k = 0; k < kScales.size(); ++k) {
+        const float per_scale = std::min(per_allowed / kScales[k], floor);
+        const float share = distance * per_scale;
+        const float gain = kLoose + kTight * Log(cell_size_m_ * per_scale) - kDistance * share * share;
+        if (gain > 0.0F) sums[k] += area * gain;
+      }
     }
-    return sum;
+    const auto best = std::max_element(sums.begin(), sums.end());
+    plane->scale = kScales[static_cast<std::size_t>(best - sums.begin())];
+    return *best;
   }
   /// Natural logarithm of a positive number, within 0.06: straight between the powers of two.
   static float Log(float x) {
@@ -227,7 +248,7 @@ class CellFit {
     if (num < 3 || !(moments->weight > 0.0)) return std::nullopt;
     const Plane fit = moments->Fit(plane.normal.cast<double>());
     if (!(fit.normal.dot(plane.normal.cast<double>()) > 0.5)) return std::nullopt;
-    return CellPlane{fit.normal.cast<float>(), static_cast<float>(fit.offset_m)};
+    return CellPlane{fit.normal.cast<float>(), static_cast<float>(fit.offset_m), plane.scale};
   }
 
   Patch MakePatch(const CellPlane& plane, const PlaneMoments& moments,
@@ -258,7 +279,7 @@ class CellFit {
     patch.low = low;
     patch.high = high;
     patch.num_frames /= static_cast<double>(inliers.size());
-    patch.noise_m = std::sqrt(noise2 / information);
+    patch.noise_m = static_cast<double>(plane.scale) * std::sqrt(noise2 / information);
     return patch;
   }
 

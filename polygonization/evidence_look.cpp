@@ -32,6 +32,9 @@ constexpr int kAgainst = 2;
 /// What was only ever seen more coarsely than a look sees it, and shows nothing in it, fades by this: the sky
 /// beyond an edge says no more against the surface than this.
 constexpr int kUnseen = 2;
+/// So does what lies hidden behind another surface, nearer to it than this: the plane that runs through the
+/// steps of a flight, as they were seen from afar.
+constexpr float kJustBehind_m = 0.12F;
 constexpr float kSearchedShare = 0.9F;
 constexpr float kRightMargin_px = 16.0F;
 /// In every look a quarter of the cells has its turn, except in blocks that are new or where much has
@@ -137,8 +140,7 @@ class EvidenceLook::BlockLook {
       const bool could_be_seen =
           expected<kSearchedShare * view_.disparity->range_px&& static_cast<float>(pixel.column)> expected +
           kRightMargin_px;
-      if (could_be_seen && before > 0 && before <= kMostLooks * (weight_ - 1))
-        Set(pixel, std::max(before - kUnseen, 0));
+      if (could_be_seen) Fade(pixel, before);
       return;
     }
     const float tolerance = kSigmas * view_.disparity->sigma_px(pixel.row, pixel.column) + kMatching_px +
@@ -153,7 +155,15 @@ class EvidenceLook::BlockLook {
       ++result_.num_through;
       num_contradictions_ += before >= EvidenceGrid::kOn;
       if (before > -most) Set(pixel, std::max(before - (before > 0 ? kAgainst : 1) * weight_, -most));
+    } else if (seen > expected + kThroughFactor * tolerance &&
+               (seen - expected) * plane_.distance_m < kJustBehind_m * seen) {
+      Fade(pixel, before);
     }
+  }
+
+  /// Only what was never seen as finely as this look sees it.
+  void Fade(const Pixel& pixel, int before) {
+    if (before > 0 && before <= kMostLooks * (weight_ - 1)) Set(pixel, std::max(before - kUnseen, 0));
   }
 
   void Set(const Pixel& pixel, int now) {

@@ -36,6 +36,16 @@ constexpr double kLeastStretch_m = 0.04;
 constexpr double kBridge_m = 0.15;
 /// A decision that holds for no longer than this, between two that are alike, is none.
 constexpr double kFlicker_m = 0.04;
+/// A level surface, and an upright one: cosine and sine between the normal and up.
+constexpr double kLevel = 0.9;
+constexpr double kUpright = 0.3;
+/// Beyond the end of the edge of a step the face below it is asked here whether it goes on above, too, and as
+/// far before it whether it does not.
+constexpr std::array<double, 4> kBeyond_m{0.03, 0.05, 0.07, 0.09};
+constexpr double kAbove_m = 0.06;
+constexpr int kIsWall = 3;
+/// The face of a step is not higher than this.
+constexpr double kMostFace_m = 0.6;
 /// A pixel holds a point of every square grid as fine as this, however the grid is turned: half its diagonal
 /// is less than half a pixel.
 constexpr double kStride_px = 0.7;
@@ -96,6 +106,7 @@ class Joint {
     const Eigen::Vector3d up = (own - own.dot(n) * n).normalized();
     up_other_ = {other.axes.x.dot(up), other.axes.y.dot(up)};
     scale_ = std::clamp(0.5 / line.sine, 1.0, 4.0);
+    step_over_face_ = n.z() > kLevel && std::abs(own.z()) < kUpright;
   }
 
   /// Cuts along the stretch [from, to] of the line, and appends where it did.
@@ -116,6 +127,10 @@ class Joint {
       if (stretch.keep == Keep::kBoth || ended - began < kLeastStretch_m) continue;
       const double sign = stretch.keep == Keep::kFront ? 1.0 : -1.0;
       lines->push_back({line_.point, line_.along, sign * line_.to_front, began, ended});
+      if (step_over_face_ && stretch.keep == Keep::kBehind) {
+        PartFromWall(line_.point + began * line_.along, -line_.along, lines);
+        PartFromWall(line_.point + ended * line_.along, line_.along, lines);
+      }
     }
   }
 
@@ -175,6 +190,27 @@ class Joint {
     return above ? Keep::kFront : Keep::kBehind;
   }
 
+  /// A riser may lie in one plane with the wall beside the steps: where the edge of its tread ends, over
+  /// which one sees through the plane, and the face goes on above, the two are parted.
+  /// @param onward  along the line, away from the tread
+  void PartFromWall(const Eigen::Vector2d& end, const Eigen::Vector2d& onward, std::vector<EdgeLine>* lines) {
+    const auto is_wall = [&](double d) {
+      const cv::Point over_tread = bitmap_.PixelAt(end - d * onward + kAbove_m * line_.to_front);
+      return bitmap_.OnAt(end + d * onward + kAbove_m * line_.to_front) && bitmap_.Holds(over_tread) &&
+             bitmap_.barred(over_tread) != 0;
+    };
+    if (std::count_if(kBeyond_m.begin(), kBeyond_m.end(), is_wall) < kIsWall) return;
+    const double step = kStride_px * bitmap_.pixel_m;
+    const Eigen::Vector2d down = -line_.to_front;
+    double depth = 0.0;
+    while (depth < kMostFace_m && (depth < kFill_m || bitmap_.OnAt(end + depth * down))) depth += step;
+    for (double d = -step; d <= depth + step; d += step)
+      for (const double side : {-0.5 * step, 0.5 * step})
+        Bar(bitmap_.PixelAt(end + d * down + side * onward));
+    for (const Eigen::Vector2d& inside : {onward, Eigen::Vector2d(-onward)})
+      lines->push_back({end, down, inside, 0.0, depth});
+  }
+
   bool GoesOnFar(const Eigen::Vector2d& at, const Eigen::Vector2d& way) const {
     return std::count_if(kFarProbes_m.begin(), kFarProbes_m.end(),
                          [&](double d) { return bitmap_.OnAt(at + d * way); }) >= kGoesOnFar;
@@ -207,14 +243,17 @@ class Joint {
     const cv::Point pixel = bitmap_.PixelAt(p);
     if (!bitmap_.Holds(pixel)) return;
     if (inside.dot(bitmap_.CentreOf(pixel.x, pixel.y) - line_.point) > 0.0) return;
-    bitmap_.barred(pixel) = 255;
-    bitmap_.on(pixel) = 0;
+    Bar(pixel);
   }
   /// A pixel on the line, within so many pixels.
   void Bar(const Eigen::Vector2d& p, double reach_px) {
     const cv::Point pixel = bitmap_.PixelAt(p);
     if (!bitmap_.Holds(pixel)) return;
     if (std::abs(line_.Across(bitmap_.CentreOf(pixel.x, pixel.y))) > reach_px * bitmap_.pixel_m) return;
+    Bar(pixel);
+  }
+  void Bar(const cv::Point& pixel) {
+    if (!bitmap_.Holds(pixel)) return;
     bitmap_.barred(pixel) = 255;
     bitmap_.on(pixel) = 0;
   }
@@ -225,6 +264,7 @@ class Joint {
   PlaneBitmap& bitmap_;
   Eigen::Vector2d up_other_;  // in the other plane, away from the line on the seen side of this one
   double scale_;
+  bool step_over_face_;  // the other surface may be the tread over this one
 };
 
 }  // namespace

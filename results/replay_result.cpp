@@ -9,7 +9,7 @@ namespace terrace {
 namespace {
 
 constexpr const char* kFiles[] = {"trajectory.tum", "terrain_map.json", "frames.jsonl", "staircases.jsonl",
-                                  "camera.json",    "stats.json",       "tracks.jsonl"};
+                                  "camera.json",    "stats.json",       "tracks.jsonl", "explanations.jsonl"};
 constexpr const char* kImageFolders[] = {"disparity", "tracks"};
 
 /// `<t_capture_ns>.png` of a folder, by time.

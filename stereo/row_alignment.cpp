@@ -198,14 +198,22 @@ RowAlignment EstimateRowAlignment(const std::vector<RowMatch>& matches, const St
   std::vector<double> left_over = RowErrors(matches, camera, p);
   for (double& e : left_over) e = std::abs(e);
   out.left_over_px = MedianOf(left_over);
+  // Sub-pixel places of all points are off alike by some hundredths of a pixel, however many there are.
+  constexpr double kBiasPx = 0.03;
+  double radius2_px2 = 0.0;  // mean square distance from the middle
+  for (const RowMatch& match : matches)
+    radius2_px2 += (match.left_px - Eigen::Vector2d(camera.cx, camera.cy)).squaredNorm() /
+                   static_cast<double>(matches.size());
+  const double bias_rad = kBiasPx / std::sqrt(std::max(radius2_px2, 1.0));
   // A turn about x moves the middle like a shift.
   out.row_shift_px = camera.fy * (p[0] - p[1]);
-  out.row_shift_sigma_px =
-      camera.fy * std::sqrt(std::max(covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1), 0.0));
+  out.row_shift_sigma_px = std::hypot(
+      kBiasPx,
+      camera.fy * std::sqrt(std::max(covariance(0, 0) + covariance(1, 1) - 2.0 * covariance(0, 1), 0.0)));
   out.roll_rad = p[3];
-  out.roll_sigma_rad = std::sqrt(covariance(3, 3));
+  out.roll_sigma_rad = std::hypot(bias_rad, std::sqrt(covariance(3, 3)));
   out.focal_ratio = std::exp(p[4]);
-  out.focal_ratio_sigma = out.focal_ratio * std::sqrt(covariance(4, 4));
+  out.focal_ratio_sigma = out.focal_ratio * std::hypot(bias_rad, std::sqrt(covariance(4, 4)));
   return out;
 }
 

@@ -27,7 +27,8 @@ struct RowMatchConfig {
 /// Corners of the left image found in the right one. Those that are found twice, or badly, are left out.
 std::vector<RowMatch> MatchAcrossRows(const StereoFrame& frame, const RowMatchConfig& config = {});
 
-/// What is wrong between the cameras, as far as rows tell. Standard deviations are those of the fit.
+/// What is wrong between the cameras, as far as rows tell. Standard deviations are those of the fit and of
+/// what all points have in common.
 struct RowAlignment {
   static constexpr int kFewestMatches = 20;
 

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "core/camera.h"
+#include "core/explanation.h"
 #include "core/map_change.h"
 #include "core/pose_estimate.h"
 #include "core/stage_meter.h"
@@ -53,6 +54,11 @@ class TerrainMapper {
   const TerrainMapPtr& map() const { return parts_->labeler.map(); }
   /// As the last frame left it; the next Update() changes it.
   const TerrainOctree& octree() const { return parts_->octree; }
+  /// Why regions and staircases are what map() says, in words and numbers.
+  /// @param only  the id of one region or staircase (either may have it); none: all
+  Explanations Explain(const std::optional<std::int64_t>& only = std::nullopt) const {
+    return parts_->labeler.Explain(only);
+  }
   /// Sentences for the user, new with the last frame that was added.
   const std::vector<std::string>& warnings() const { return parts_->labeler.warnings(); }
   /// What the last frame showed of the direction of gravity; none when it showed no level ground.

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -22,17 +21,13 @@
 #include "datasets/rig_file.h"
 #include "datasets/sequence.h"
 #include "stereo/rectifier.h"
-#include "stereo/row_alignment.h"
+#include "tools/calibration_check.h"
 #include "tools/commands.h"
-#include "tools/pair_delay.h"
 
 namespace terrace {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Frames of a recording that are looked at, spread over it.
-constexpr std::int64_t kFramesToCheck = 20;
 
 struct CalibrationOptions {
   std::vector<fs::path> files;
@@ -165,17 +160,20 @@ void DrawRowErrors(const cv::Mat1b& left, const std::vector<RowMatch>& matches, 
               kMagnification);
 }
 
-void PrintAlignment(const RowAlignment& found, const StereoCamera& camera) {
-  std::printf("  rows: off by %.2f px (median), 95 %% below %.2f px; %d points\n", found.median_px,
-              found.p95_px, found.num_matches);
+void PrintAlignment(const CalibrationCheck& check, const StereoCamera& camera) {
+  const RowAlignment& seen = check.rows_as_they_are;
+  const RowAlignment& found = check.rows;
+  std::printf("  rows: off by %.2f px (median), 95 %% below %.2f px; %d points\n", seen.median_px,
+              seen.p95_px, seen.num_matches);
   std::printf(
       "  right image against the left: %+.2f +- %.2f px lower, turned clockwise by %+.3f +- %.3f deg, %.4f "
-      "+- %.4f times as large; corrected, %.2f px are left\n",
+      "+- %.4f times as large; corrected%s, %.2f px are left\n",
       found.row_shift_px, found.row_shift_sigma_px, Degrees(found.roll_rad), Degrees(found.roll_sigma_rad),
-      found.focal_ratio, found.focal_ratio_sigma, found.left_over_px);
+      found.focal_ratio, found.focal_ratio_sigma, check.delay.told() ? ", and for the delay" : "",
+      found.left_over_px);
   std::printf(
       "  cost: on edges that run diagonally a row is a disparity: %.0f mm at 2 m (median), %.0f mm (95 %%)\n",
-      1e3 * camera.DepthSigma(2.0, found.median_px), 1e3 * camera.DepthSigma(2.0, found.p95_px));
+      1e3 * camera.DepthSigma(2.0, seen.median_px), 1e3 * camera.DepthSigma(2.0, seen.p95_px));
 }
 
 void PrintDelay(const PairDelay& delay) {
@@ -198,40 +196,16 @@ void CheckRows(const CalibrationOptions& options, const StereoCalibration& rig) 
   if (info.calibration.width != rig.width || info.calibration.height != rig.height)
     throw SequenceError(options.check.string() + ": its images have another size than the calibration");
   const Rectifier rectifier(rig);
-  const std::int64_t every = std::max<std::int64_t>(1, info.num_frames / kFramesToCheck);
-  RowMatchConfig config;
-  config.max_disparity_px = rectifier.camera().width / 4;
-  std::vector<RowMatch> matches;
-  std::vector<MovingRowMatch> moving;
-  cv::Mat1b last_left;
-  std::deque<StereoFrame> three;  // one that is looked at, between its neighbours
-  while (const std::optional<SensorFrame> frame = sequence->Next()) {
-    if (!frame->pair.problem.empty()) continue;
-    // A short recording is looked at whole.
-    const std::int64_t place = every > 2 ? (frame->frame_id + 1) % every : 1;
-    if (place > 2) continue;
-    three.push_back(rectifier.Rectify(frame->frame_id, frame->pair));
-    if (three.size() > 3) three.pop_front();
-    if (place == 1) {
-      const std::vector<RowMatch> found = MatchAcrossRows(three.back(), config);
-      matches.insert(matches.end(), found.begin(), found.end());
-      last_left = three.back().left;
-    }
-    if (three.size() < 3 || three[2].frame_id - three[0].frame_id != 2 || (every > 2 && place != 2)) continue;
-    const std::vector<MovingRowMatch> found =
-        FollowMatches(MatchAcrossRows(three[1], config), three[0], three[1], three[2]);
-    moving.insert(moving.end(), found.begin(), found.end());
-  }
+  const CalibrationCheck check = CheckCalibration(rectifier, sequence.get());
   std::printf("%s: checked\n", options.check.c_str());
-  const RowAlignment alignment = EstimateRowAlignment(matches, rectifier.camera());
-  if (alignment.num_matches < RowAlignment::kFewestMatches) {
+  if (check.rows_as_they_are.num_matches < RowAlignment::kFewestMatches) {
     throw SequenceError(
-        options.check.string() + ": only " + std::to_string(alignment.num_matches) +
+        options.check.string() + ": only " + std::to_string(check.rows_as_they_are.num_matches) +
         " points are found in both images, too few to say anything: is it the right calibration?");
   }
-  PrintAlignment(alignment, rectifier.camera());
-  PrintDelay(EstimateDelay(moving, rectifier.camera()));
-  if (!options.picture.empty()) DrawRowErrors(last_left, matches, options.picture);
+  PrintAlignment(check, rectifier.camera());
+  PrintDelay(check.delay);
+  if (!options.picture.empty()) DrawRowErrors(check.last_left, check.matches, options.picture);
 }
 
 void Calibration(const CalibrationOptions& options) {

@@ -34,12 +34,13 @@ struct CommandOptions {
   double wait_s = 5.0;
 };
 
-constexpr std::array<std::pair<const char*, std::int8_t>, 7> kCommands{
+constexpr std::array<std::pair<const char*, std::int8_t>, 8> kCommands{
     std::pair{"reset_map", command_v1_t::RESET_MAP},
     {"pause", command_v1_t::PAUSE},
     {"resume", command_v1_t::RESUME},
     {"save_map", command_v1_t::SAVE_MAP},
     {"send_snapshot", command_v1_t::SEND_SNAPSHOT},
+    {"explain", command_v1_t::EXPLAIN},
     {"reload_config", command_v1_t::RELOAD_CONFIG},
     {"keep_record", command_v1_t::KEEP_RECORD}};
 
@@ -110,12 +111,13 @@ void AddCommandCommand(CLI::App& app) {
   auto options = std::make_shared<CommandOptions>();
   AddBusOptions(command, &options->bus);
   command
-      ->add_option(
-          "NAME", options->name,
-          "reset_map, pause, resume, save_map, send_snapshot, reload_config; keep_record, to terrace record")
+      ->add_option("NAME", options->name,
+                   "reset_map, pause, resume, save_map, send_snapshot, explain, reload_config; keep_record, "
+                   "to terrace record")
       ->required();
   command->add_option("ARGUMENT", options->argument,
-                      "save_map: the name of the file; keep_record: a word for its name");
+                      "save_map: the name of the file; explain: the id of a region or staircase; "
+                      "keep_record: a word for its name");
   command->add_option("--wait", options->wait_s, "for the reply, in seconds")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();

@@ -25,6 +25,7 @@ void AddDisparityCommand(CLI::App& app);
 void AddDoctorCommand(CLI::App& app);
 void AddDrawCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
+void AddExplainCommand(CLI::App& app);
 void AddExportCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddListenCommand(CLI::App& app);

@@ -25,6 +25,7 @@ int Run(int argc, char** argv) {
   terrace::AddDoctorCommand(app);
   terrace::AddDrawCommand(app);
   terrace::AddEvaluateCommand(app);
+  terrace::AddExplainCommand(app);
   terrace::AddExportCommand(app);
   terrace::AddInfoCommand(app);
   terrace::AddListenCommand(app);

@@ -49,8 +49,15 @@ Eigen::Isometry3d Mounting::T_body_left() const {
   T.linear() << 0, -s, c,  //
       -1, 0, 0,            //
       0, -c, -s;
+  T.rotate(Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()));
   T.translation() = left_in_body;
   return T;
+}
+
+Eigen::Matrix3d RightCamera::Turn(double fy_px) const {
+  return (Eigen::AngleAxisd(-roll_rad, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(std::atan2(row_shift_px, fy_px), Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
 }
 
 }  // namespace terrace::synthetic

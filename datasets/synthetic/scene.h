@@ -126,9 +126,21 @@ struct SceneStaircase {
 struct Mounting {
   Eigen::Vector3d left_in_body = Eigen::Vector3d(0.22, 0.06, 0.09);
   double pitch_down_rad = 0.3490658503988659;
+  double roll_rad = 0.0;  ///< about the optical axis, clockwise seen from behind; before the pitch
   double body_height_m = 0.36;
 
   Eigen::Isometry3d T_body_left() const;
+};
+
+/// How the right camera stands to the left one, and what of it its calibration does not know.
+struct RightCamera {
+  bool below = false;         ///< the left one, not beside it
+  double roll_rad = 0.0;      ///< its image is turned clockwise
+  double row_shift_px = 0.0;  ///< its image is lower, in its middle
+  double late_s = 0.0;        ///< its image is taken later than its time stamp says
+
+  /// Of what is built: R_left_right.
+  Eigen::Matrix3d Turn(double fy_px) const;
 };
 
 /// Everything there is to see, how it is lit, and how the robot moves through it.
@@ -143,6 +155,7 @@ struct Scene {
   Photometry photometry;
   StereoCamera camera{640, 480, 400.0, 400.0, 319.5, 239.5, 0.12};
   Mounting mounting;
+  RightCamera right;
   MotionPlan motion;
   double rate_hz = 15.0;
   int max_frames = 0;  ///< 0: as many as the motion lasts

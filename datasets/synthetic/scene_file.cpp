@@ -240,8 +240,14 @@ class SceneReader {
     s.Number("cy", &c.cy, 0.0, 4096.0);
     s.Number("baseline_m", &c.baseline_m, 0.001, 10.0);
     s.Number("pitch_down_deg", &scene_.mounting.pitch_down_rad, -90.0, 90.0, kDegree);
+    s.Number("roll_deg", &scene_.mounting.roll_rad, -180.0, 180.0, kDegree);
     s.Number("body_height_m", &scene_.mounting.body_height_m, 0.0, 10.0);
     s.Vector<3>("left_in_body_m", &scene_.mounting.left_in_body, -10.0, 10.0);
+    constexpr double kMillisecond = 1e-3;
+    s.Flag("right_below", &scene_.right.below);
+    s.Number("right_roll_deg", &scene_.right.roll_rad, -10.0, 10.0, kDegree);
+    s.Number("right_row_shift_px", &scene_.right.row_shift_px, -100.0, 100.0);
+    s.Number("right_late_ms", &scene_.right.late_s, -1000.0, 1000.0, kMillisecond);
     s.RefuseUnknownKeys();
   }
 

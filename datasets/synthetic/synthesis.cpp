@@ -73,7 +73,8 @@ struct Rig {
 
 Rig RigOf(const Scene& scene) {
   Rig rig{scene.mounting.T_body_left(), scene.mounting.T_body_left()};
-  rig.T_body_right.translation() += scene.camera.baseline_m * rig.T_body_right.linear().col(0);
+  rig.T_body_right.translation() +=
+      scene.camera.baseline_m * rig.T_body_right.linear().col(scene.right.below ? 1 : 0);
   return rig;
 }
 
@@ -111,7 +112,8 @@ void WriteCalibration(const Scene& scene, double rate_hz, const fs::path& folder
     file.Write();
   }
   TextFile file(folder / "calibration.yaml");
-  file.Line("# rectified stereo pair, no distortion, rows aligned; disparity = fx * baseline / depth");
+  file.Line("# stereo pair without distortion, %s aligned; disparity = %s * baseline / depth",
+            scene.right.below ? "columns" : "rows", scene.right.below ? "fy" : "fx");
   file.Line("image_width: %d", c.width);
   file.Line("image_height: %d", c.height);
   file.Line("fx: %.17g\nfy: %.17g\ncx: %.17g\ncy: %.17g", c.fx, c.fy, c.cx, c.cy);
@@ -271,6 +273,8 @@ SynthesisSummary Synthesize(const Scene& scene, const SynthesisConfig& config, c
       "up, metres");
 
   const Rig rig = RigOf(scene);
+  Eigen::Isometry3d T_body_right_as_built = rig.T_body_right;
+  T_body_right_as_built.rotate(scene.right.Turn(scene.camera.fy));
   const ImageSensor sensor(scene.photometry);
   AutoExposure exposure(config.gain * scene.photometry.target, scene.photometry.exposure_speed_hz, rate);
   SeenSurfaces seen(scene);
@@ -282,9 +286,9 @@ SynthesisSummary Synthesize(const Scene& scene, const SynthesisConfig& config, c
     const auto frame_seed = Hash(config.seed, static_cast<std::uint32_t>(k));
     const auto render_start = std::chrono::steady_clock::now();
     const auto left_at = [&](double at) { return trajectory.PoseAt(at) * rig.T_body_left; };
-    const auto right_at = [&](double at) { return trajectory.PoseAt(at) * rig.T_body_right; };
+    const auto right_at = [&](double at) { return trajectory.PoseAt(at) * T_body_right_as_built; };
     const Radiance left = renderer.Render(left_at, t, Hash(frame_seed, 1));
-    const Radiance right = renderer.Render(right_at, t, Hash(frame_seed, 2));
+    const Radiance right = renderer.Render(right_at, t + scene.right.late_s, Hash(frame_seed, 2));
     const double gain = exposure.GainFor(sensor.MeanOf(left));
     const std::string name = std::to_string(t_capture.ns) + ".png";
     const auto write = [&](const char* camera, const Radiance& light, double of_camera, std::uint32_t seed) {

@@ -28,7 +28,16 @@ class CommandObeyerTest : public ::testing::Test {
  protected:
   CommandActions Actions() {
     return {[this] { ++num_resets_; }, [this](bool paused) { paused_ = paused; },
-            [this] { return map_ != nullptr; }, [this] { return map_; }};
+            [this] { return map_ != nullptr; }, [this] { return map_; }, Explain};
+  }
+
+  /// Region 3 and staircase 3 are there, and nothing else.
+  static Explanations Explain(std::int64_t id) {
+    Explanations explanations;
+    if (id != 3) return explanations;
+    explanations.regions.emplace_back().text = "region 3: wall.";
+    explanations.staircases.emplace_back().text = "staircase 3.";
+    return explanations;
   }
 
   TemporaryFolder folder_;
@@ -80,6 +89,19 @@ TEST_F(CommandObeyerTest, WritesIntoNoPipeThatWouldHangIt) {
   const command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::SAVE_MAP, "pipe"));
   EXPECT_EQ(reply.result, command_reply_v1_t::REFUSED);
   EXPECT_THAT(reply.message, HasSubstr("no file"));
+}
+
+TEST_F(CommandObeyerTest, ExplainsWhatHasTheIdAndRefusesWhatHasNone) {
+  const command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::EXPLAIN, "3"));
+  EXPECT_EQ(reply.result, command_reply_v1_t::OK);
+  EXPECT_EQ(reply.message, "region 3: wall.\nstaircase 3.");
+  EXPECT_THAT(obeyer_.Obey(Command(command_v1_t::EXPLAIN, "4")).message,
+              HasSubstr("neither a region nor a staircase 4"));
+  for (const char* argument : {"", "three", "3x", "99999999999999999999"}) {
+    const command_reply_v1_t refused = obeyer_.Obey(Command(command_v1_t::EXPLAIN, argument));
+    EXPECT_EQ(refused.result, command_reply_v1_t::REFUSED) << argument;
+    EXPECT_THAT(refused.message, HasSubstr("must be the id"));
+  }
 }
 
 TEST_F(CommandObeyerTest, SaysWhenThereIsNoMapOrNoFolder) {

@@ -43,6 +43,27 @@ TEST(VisualOdometryTest, TellsWhatBecameOfTheLandmarks) {
   EXPECT_TRUE(odometry.sightings().landmarks.empty());
 }
 
+TEST(VisualOdometryTest, BelievesTheBodyUnderACameraOnItsSideOnceItSeesTheFloor) {
+  Eigen::Isometry3d T_start_left = Eigen::Isometry3d::Identity();
+  T_start_left.rotate(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitZ()));
+  Eigen::Matrix3d R_body_start;
+  R_body_start << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Mounting mounting;
+  mounting.T_body_left = Eigen::Isometry3d(R_body_start) * T_start_left;
+  VisualOdometry odometry({}, kCamera, mounting);
+  const PoseEstimate pose = odometry.Track(World().Frame(0, T_start_left), {});
+  ASSERT_EQ(pose.status, TrackingStatus::kTracking) << pose.reason;
+  EXPECT_TRUE(pose.T_world_left.linear().isApprox(mounting.T_body_left->linear(), 1e-9))
+      << "the body stands level";
+  EXPECT_EQ(odometry.gravity().source, GravitySource::kMounting);
+  ASSERT_EQ(odometry.warnings().size(), 1u);
+  EXPECT_NE(odometry.warnings()[0].find("the floor confirms"), std::string::npos);
+  // The axes of a sensor that is mounted so beside a level camera find no floor.
+  VisualOdometry beside_sensor({}, kCamera, mounting);
+  beside_sensor.Track(World().Frame(0, Eigen::Isometry3d::Identity()), {});
+  EXPECT_EQ(beside_sensor.gravity().source, GravitySource::kAssumed);
+}
+
 TEST(VisualOdometryTest, FollowsABouncingWalkToAMillimetre) {
   VisualOdometry odometry({}, kCamera, {});
   PoseEstimate first;

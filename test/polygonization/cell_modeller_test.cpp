@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polygonization/cell_modeller.h"
 
+#include <cmath>
+#include <map>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -41,6 +43,35 @@ TEST(CellModellerTest, FitsOnePlaneToTheFloorInEachCell) {
     }
   }
   EXPECT_GT(num_patches, 10);
+}
+
+TEST(CellModellerTest, FindsTheStepsOfAFlightWhosePointsAreBetterThanTheyClaim) {
+  PlaneWorld world;
+  world.AddFloor(-1, 1.0, -1, 1, 0);
+  world.AddStairs(1.0, -1, 1, 0.17, 0.28, 3);
+  TerrainOctree octree{MappingConfig{}};
+  CellModeller modeller({});
+  std::mt19937 random(1);
+  std::map<CellKey, PatchUpdate::CellPatches> cells;  // as fitted last
+  for (int i = 0; i < 8; ++i) {
+    const PoseEstimate pose = LookFrom(i, 0.01 * i, 0, 0.9, 0, 0.3);
+    Cloud cloud = world.See(TestCamera(), pose.T_world_left, i, 1, 0.04, &random);
+    for (CloudPoint& point : cloud.points) point.sigma_depth_m *= 8.0F;
+    for (const PatchUpdate::CellPatches& cell :
+         modeller.Fit(octree, octree.Insert(cloud, TestCamera(), pose)).cells)
+      cells[cell.key] = cell;
+  }
+  double inclined_m2 = 0.0, all_m2 = 0.0;
+  for (const auto& [key, cell] : cells) {
+    if (cell.centre_world.x() < 1.0) continue;
+    for (const Patch& patch : cell.patches) {
+      const double up = std::abs(patch.plane_world.normal.z());
+      all_m2 += patch.area_m2;
+      if (up > 0.4 && up < 0.9) inclined_m2 += patch.area_m2;
+    }
+  }
+  EXPECT_GT(all_m2, 1.0);
+  EXPECT_LT(inclined_m2, 0.15 * all_m2);
 }
 
 TEST(CellModellerTest, FitsAfterAResetAsIfItHadSeenNothing) {

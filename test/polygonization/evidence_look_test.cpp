@@ -119,6 +119,25 @@ TEST(EvidenceLookTest, WhatWasSeenFromAfarOnlyFadesWhereNothingIsSeenFromNear) {
   EXPECT_EQ(platform.grid().At(fine), 32);
 }
 
+TEST(EvidenceLookTest, WhatWasSeenFromAfarOnlyFadesWhereItLiesJustBehindAnotherSurface) {
+  for (const double above_m : {0.08, 0.3}) {
+    Platform platform;
+    platform.AddFloorBelow();
+    platform.Look(1);
+    const auto set = [&](const Eigen::Vector2d& p, int evidence) {
+      const auto [key, cell] = platform.grid().Locate(p);
+      platform.grid().blocks().at(key).At(cell.x(), cell.y()) = static_cast<std::int8_t>(evidence);
+    };
+    platform.world().AddFloor(1.2, 1.6, -0.1, 0.1, Platform::kHeight + above_m);
+    const Eigen::Vector2d coarse(1.405, 0.005), fine(1.405, 0.025);
+    set(coarse, 8);
+    set(fine, 32);
+    platform.Look(24);
+    EXPECT_EQ(platform.grid().At(coarse) < EvidenceGrid::kOn, above_m < 0.1) << above_m;
+    EXPECT_EQ(platform.grid().At(fine), 32) << above_m;
+  }
+}
+
 TEST(EvidenceLookTest, APlaneSeenFromBehindGathersNothing) {
   Platform platform;
   platform.AddFloorBelow();

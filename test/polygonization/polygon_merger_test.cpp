@@ -95,6 +95,24 @@ TEST(PolygonMergerTest, FindsEveryTreadAndRiserOfAFlight) {
   }
 }
 
+TEST(PolygonMergerTest, PartsARiserFromTheWallsThatGoOnBesideItInItsPlane) {
+  PlaneWorld world;
+  world.AddFloor(-1, 1.0, -1, 1, 0);
+  world.AddFaceTowardsMinusX(1.0, -0.35, 0.35, 0.0, 0.2);
+  world.AddFloor(1.0, 1.5, -0.35, 0.35, 0.2);
+  world.AddFaceTowardsMinusX(1.0, -1.0, -0.35, 0.0, 0.8);
+  world.AddFaceTowardsMinusX(1.0, 0.35, 1.0, 0.0, 0.8);
+  Mapper mapper;
+  for (int i = 0; i < 24; ++i) mapper.See(world, LookFrom(i, -0.4 + 0.01 * i, 0, 0.7, 0, 0.3));
+  const PolygonPtr riser = mapper.On(world.rectangles[1]);
+  const PolygonPtr left = mapper.On(world.rectangles[3]), right = mapper.On(world.rectangles[4]);
+  ASSERT_TRUE(riser != nullptr && left != nullptr && right != nullptr);
+  EXPECT_NE(riser->id, left->id);
+  EXPECT_NE(riser->id, right->id);
+  EXPECT_NE(left->id, right->id);
+  EXPECT_NEAR(riser->area_m2, 0.7 * 0.2, 0.02);
+}
+
 TEST(PolygonMergerTest, KeepsTheIdOfAPolygonThatGrows) {
   PlaneWorld world;
   world.AddFloor(0, 6, -1, 1, 0);

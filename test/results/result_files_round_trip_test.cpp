@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "results/explanations_file.h"
 #include "results/replay_result.h"
 #include "test/lcmtypes/example_maps.h"
 
@@ -226,6 +227,119 @@ TEST_F(ResultFilesRoundTripTest, GivesBackTracksToATenthOfAPixel) {
   EXPECT_EQ(back[0].sightings.landmarks[0].landmark, 7);
   EXPECT_NEAR(back[0].sightings.landmarks[0].pixel.x(), 10.0F, 1e-6);
   EXPECT_EQ(back[0].sightings.landmarks[1].fate, LandmarkFate::kRejected);
+}
+
+TEST_F(ResultFilesRoundTripTest, GivesBackExplanationsOfRegions) {
+  Explanations explanations;
+  for (int i = 0; i < kNumLabelRules; ++i) {
+    RegionExplanation r;
+    r.id = i + 1;
+    r.label = static_cast<TerrainLabel>(i % kNumTerrainLabels);
+    r.confidence = 0.01 * i;
+    r.rule = static_cast<LabelRule>(i);
+    r.slope_rad = 0.1 * i;
+    r.slope_sigma_rad = 0.001 * i;
+    r.offset_sigma_m = 0.002 * i;
+    r.rms_m = 0.003 * i;
+    r.noise_m = 0.004 * i;
+    r.area_m2 = 0.5 * i;
+    r.num_observations = i;
+    r.text = "region \"" + std::to_string(i) + "\": +- 1 deg.";
+    // Every other one has all that may be missing.
+    if (i % 2 == 1) {
+      r.largest_square_m = 0.5;
+      r.nearest_view_m = 1.25;
+      r.lowest_step_m = 0.03;
+      r.height_m = -0.5;
+      r.large = i % 4 == 1;
+      r.reachable = i % 4 == 3;
+      r.decided_by = 77;
+      r.staircase = 3;
+      r.step_index = 2;
+      r.by_itself = TerrainLabel::kWall;
+      r.next_label = TerrainLabel::kObstacle;
+      r.num_next = 2;
+      r.neighbors = {{4, true, 0.0}, {9, false, -0.17}};
+    }
+    explanations.regions.push_back(r);
+  }
+  const Explanations back = ReadExplanationsFile(Write("explanations.jsonl", ExplanationsText(explanations)));
+  ASSERT_EQ(back.regions.size(), explanations.regions.size());
+  for (std::size_t i = 0; i < back.regions.size(); ++i) {
+    const RegionExplanation& a = back.regions[i];
+    const RegionExplanation& b = explanations.regions[i];
+    EXPECT_EQ(a.id, b.id);
+    EXPECT_EQ(a.label, b.label);
+    EXPECT_EQ(a.confidence, b.confidence);
+    EXPECT_EQ(a.rule, b.rule);
+    EXPECT_NEAR(a.slope_rad, b.slope_rad, 1e-12);
+    EXPECT_NEAR(a.slope_sigma_rad, b.slope_sigma_rad, 1e-12);
+    EXPECT_EQ(a.offset_sigma_m, b.offset_sigma_m);
+    EXPECT_EQ(a.rms_m, b.rms_m);
+    EXPECT_EQ(a.noise_m, b.noise_m);
+    EXPECT_EQ(a.area_m2, b.area_m2);
+    EXPECT_EQ(a.num_observations, b.num_observations);
+    EXPECT_EQ(a.largest_square_m, b.largest_square_m);
+    EXPECT_EQ(a.nearest_view_m, b.nearest_view_m);
+    EXPECT_EQ(a.lowest_step_m, b.lowest_step_m);
+    EXPECT_EQ(a.height_m, b.height_m);
+    EXPECT_EQ(a.large, b.large);
+    EXPECT_EQ(a.reachable, b.reachable);
+    EXPECT_EQ(a.decided_by, b.decided_by);
+    EXPECT_EQ(a.staircase, b.staircase);
+    EXPECT_EQ(a.step_index, b.step_index);
+    EXPECT_EQ(a.by_itself, b.by_itself);
+    EXPECT_EQ(a.next_label, b.next_label);
+    EXPECT_EQ(a.num_next, b.num_next);
+    EXPECT_EQ(a.neighbors, b.neighbors);
+    EXPECT_EQ(a.text, b.text);
+  }
+}
+
+TEST_F(ResultFilesRoundTripTest, GivesBackExplanationsOfStaircases) {
+  StaircaseExplanation s;
+  s.id = 4;
+  s.confidence = 0.9;
+  s.num_risers = 6;
+  s.num_treads = 5;
+  s.riser_m = 0.17;
+  s.riser_sigma_m = 0.002;
+  s.tread_m = 0.28;
+  s.tread_sigma_m = 0.004;
+  s.pitch_rad = 0.55;
+  s.risers_seen = {1, 2, 5};
+  s.treads_seen = {3};
+  s.head_region = 8;
+  s.num_seen = 4;
+  s.num_to_see = 11;
+  s.seen_sharply = true;
+  s.sides_agree = true;
+  s.height_rms_m = 0.003;
+  s.text = "staircase 4.";
+  const Explanations back = ReadExplanationsFile(Write("explanations.jsonl", ExplanationsText({{}, {s}})));
+  EXPECT_TRUE(back.regions.empty());
+  ASSERT_EQ(back.staircases.size(), 1u);
+  const StaircaseExplanation& a = back.staircases[0];
+  EXPECT_EQ(a.id, s.id);
+  EXPECT_EQ(a.confidence, s.confidence);
+  EXPECT_EQ(a.num_risers, s.num_risers);
+  EXPECT_EQ(a.num_treads, s.num_treads);
+  EXPECT_EQ(a.riser_m, s.riser_m);
+  EXPECT_EQ(a.riser_sigma_m, s.riser_sigma_m);
+  EXPECT_EQ(a.tread_m, s.tread_m);
+  EXPECT_EQ(a.tread_sigma_m, s.tread_sigma_m);
+  EXPECT_NEAR(a.pitch_rad, s.pitch_rad, 1e-12);
+  EXPECT_EQ(a.risers_seen, s.risers_seen);
+  EXPECT_EQ(a.treads_seen, s.treads_seen);
+  EXPECT_EQ(a.foot_region, std::nullopt);
+  EXPECT_EQ(a.head_region, s.head_region);
+  EXPECT_EQ(a.num_seen, s.num_seen);
+  EXPECT_EQ(a.num_to_see, s.num_to_see);
+  EXPECT_EQ(a.seen_sharply, s.seen_sharply);
+  EXPECT_EQ(a.faces_tile, s.faces_tile);
+  EXPECT_EQ(a.sides_agree, s.sides_agree);
+  EXPECT_EQ(a.height_rms_m, s.height_rms_m);
+  EXPECT_EQ(a.text, s.text);
 }
 
 TEST_F(ResultFilesRoundTripTest, RemovesResultsAndNothingElse) {

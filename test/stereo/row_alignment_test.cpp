@@ -91,6 +91,10 @@ TEST(RowAlignmentTest, MeasuresAllAtOnce) {
   const RowAlignment found = Estimate({.shift_px = 1.5, .roll_deg = 0.4, .scale = 0.995}, 7);
   EXPECT_NEAR(found.row_shift_px, 1.5, 0.15);
   EXPECT_NEAR(found.roll_rad / kDegree, 0.4, 0.04);
+  // As sure as it says.
+  EXPECT_NEAR(found.row_shift_px, 1.5, 3.0 * found.row_shift_sigma_px);
+  EXPECT_NEAR(found.roll_rad, 0.4 * kDegree, 3.0 * found.roll_sigma_rad);
+  EXPECT_NEAR(found.focal_ratio, 0.995, 3.0 * found.focal_ratio_sigma);
   EXPECT_NEAR(found.focal_ratio, 0.995, 0.001);
 }
 

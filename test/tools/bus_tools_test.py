@@ -44,6 +44,8 @@ def check_without_input(terrace):
     assert code == FAILED and "no_calibration" in page and "terrace calibration" in page, page
     code, _, complaint = terrace.run("command", "save_map", "map.json", "--url", URL)
     assert code == FAILED and "refused: there is no map yet" in complaint, complaint
+    code, _, complaint = terrace.run("command", "explain", "1", "--url", URL)
+    assert code == FAILED and "refused: the map has neither a region nor a staircase 1" in complaint, complaint
     code, reply, _ = terrace.run("command", "PAUSE", "--url", URL)
     assert code == DONE and reply.startswith("paused"), reply
     code, reply, _ = terrace.run("command", "resume", "--url", URL)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/pair_delay.h"
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <random>
 #include <vector>
@@ -53,24 +55,25 @@ PairDelay DelayOf(unsigned seed, double delay_s, double rows_off_px) {
   std::vector<MovingRowMatch> moving;
   RowMatchConfig config;
   config.max_disparity_px = 40;
-  for (int i = 1; i < 12; ++i) {
-    const StereoFrame at = FrameAt(wall, i, delay_s, rows_off_px);
-    const auto found = FollowMatches(MatchAcrossRows(at, config), FrameAt(wall, i - 1, delay_s, rows_off_px),
-                                     at, FrameAt(wall, i + 1, delay_s, rows_off_px));
+  std::vector<StereoFrame> frames;
+  for (int i = 0; i < 11; ++i) frames.push_back(FrameAt(wall, i, delay_s, rows_off_px));
+  for (std::size_t i = 2; i + 2 < frames.size(); ++i) {
+    const auto found =
+        FollowMatches(MatchAcrossRows(frames[i], config),
+                      {&frames[i - 2], &frames[i - 1], &frames[i], &frames[i + 1], &frames[i + 2]});
     moving.insert(moving.end(), found.begin(), found.end());
   }
   return EstimateDelay(moving, Viewer());
 }
 
 TEST(PairDelayTest, MeasuresByHowMuchTheRightCameraIsLate) {
-  for (const double delay_s : {0.0, 0.001, 0.005, 0.02, -0.01}) {
+  for (const double delay_s : {0.001, 0.03, -0.01}) {
     for (const double rows_off_px : {0.0, 1.5}) {
       const PairDelay delay = DelayOf(101, delay_s, rows_off_px);
       std::printf("%.1f ms late, %.1f rows low: %.2f +- %.2f ms from %d points\n", 1e3 * delay_s, rows_off_px,
                   1e3 * delay.delay_s, 1e3 * delay.sigma_s, delay.num_matches);
       EXPECT_TRUE(delay.told());
-      // The mean velocity over two frames is 7 % below that in the middle of so fast a sway.
-      EXPECT_NEAR(delay.delay_s, delay_s, 0.0002 + 0.1 * std::abs(delay_s));
+      EXPECT_NEAR(delay.delay_s, delay_s, 0.0002 + 0.02 * std::abs(delay_s));
       EXPECT_NEAR(delay.delay_s, delay_s, 0.0001 + 3.0 * delay.sigma_s) << "as sure as it says";
     }
   }
@@ -78,10 +81,14 @@ TEST(PairDelayTest, MeasuresByHowMuchTheRightCameraIsLate) {
 
 TEST(PairDelayTest, SaysThatItCannotTellWhileNothingMoves) {
   const cv::Mat1b wall = Wall(7);
-  StereoFrame still = FrameAt(wall, 0, 0.0, 1.0), before = still, after = still;
-  before.t_capture.ns -= 66'000'000;
-  after.t_capture.ns += 66'000'000;
-  const auto moving = FollowMatches(MatchAcrossRows(still), before, still, after);
+  std::array<StereoFrame, MovingRowMatch::kNumFrames> still;
+  std::array<const StereoFrame*, MovingRowMatch::kNumFrames> frames{};
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    still[i] = FrameAt(wall, 0, 0.0, 1.0);
+    still[i].t_capture.ns += static_cast<std::int64_t>(i) * 66'000'000;
+    frames[i] = &still[i];
+  }
+  const auto moving = FollowMatches(MatchAcrossRows(still[2]), frames);
   EXPECT_GE(moving.size(), 20u);
   EXPECT_FALSE(EstimateDelay(moving, Viewer()).told());
   EXPECT_FALSE(EstimateDelay({}, Viewer()).told());

@@ -115,5 +115,28 @@ TEST(SceneFileTest, AFileThatIsNoSceneIsRefused) {
   EXPECT_THROW(LoadScene("/nowhere/scene.yaml"), SceneError);
 }
 
+TEST(SceneFileTest, RollsTheCameraAndBuildsTheRightOneOtherwiseThanItsCalibrationKnows) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "scene_cameras.yaml";
+  std::ofstream(path)
+      << "materials: {m: {}}\nobjects: [{kind: floor, name: f, min_m: [0, 0], max_m: [1, 1], "
+         "material: m}]\ncamera: {fx: 400, pitch_down_deg: 0, roll_deg: 90, right_below: true, "
+         "right_roll_deg: 1, right_row_shift_px: 2, right_late_ms: 5}\nmotion: {path_m: [[0, 0]]}\n";
+  const Scene scene = LoadScene(path);
+  // Clockwise seen from behind: the image's right is down, its top to the robot's right.
+  const Eigen::Matrix3d R_body_left = scene.mounting.T_body_left().linear();
+  EXPECT_TRUE((R_body_left * Eigen::Vector3d::UnitX()).isApprox(-Eigen::Vector3d::UnitZ(), 1e-12));
+  EXPECT_TRUE((R_body_left * Eigen::Vector3d::UnitY()).isApprox(Eigen::Vector3d::UnitY(), 1e-12));
+  EXPECT_TRUE(scene.right.below);
+  EXPECT_DOUBLE_EQ(scene.right.late_s, 0.005);
+  // Far things, where the right camera sees them.
+  const auto seen = [&](double u, double v) {
+    const Eigen::Vector3d p =
+        scene.right.Turn(400.0).transpose() * Eigen::Vector3d(u / 400.0, v / 400.0, 1.0);
+    return Eigen::Vector2d(400.0 * p.x() / p.z(), 400.0 * p.y() / p.z());
+  };
+  EXPECT_TRUE(seen(0, 0).isApprox(Eigen::Vector2d(0, 2), 1e-9));
+  EXPECT_NEAR(seen(100, 0).y() - 2.0, 100.0 * std::sin(M_PI / 180.0), 0.02) << "clockwise: right is lower";
+}
+
 }  // namespace
 }  // namespace terrace::synthetic
