@@ -11,6 +11,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "client/terrace_file.h"
+#include "core/file_bytes.h"
 #include "daemon/result_writer.h"
 #include "results/map_file.h"
 
@@ -101,8 +103,17 @@ command_reply_v1_t CommandObeyer::SaveMap(const std::string& name) const {
   if (!problem.empty()) return Refused(problem);
   const TerrainMapPtr map = actions_.map();
   if (!map) return Refused("there is no map yet");
+  const fs::path file = save_folder_ / name;
+  if (file.extension() == ".terrace") {
+    try {
+      SaveTerraceFile(file, *map);
+      return Ok(file.string());
+    } catch (const FileError& error) {
+      return Failed(error.what());
+    }
+  }
   // Under another name until it is whole, so that no half file is ever there.
-  const fs::path file = save_folder_ / name, partial = save_folder_ / (name + ".partial");
+  const fs::path partial = save_folder_ / (name + ".partial");
   std::error_code error;
   {
     std::ofstream out(partial, std::ios::binary | std::ios::trunc);

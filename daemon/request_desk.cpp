@@ -12,7 +12,7 @@
 namespace terrace {
 namespace {
 
-constexpr std::chrono::seconds kPatience(10);  // of a request for one answer that cannot be given yet
+constexpr std::chrono::seconds kOnceMayWait(10);  // of a request for one answer that cannot be given yet
 
 }  // namespace
 
@@ -60,7 +60,7 @@ void RequestDesk::Take(const terrain_request_v1_t& message, Time now) {
     return Reply(request->id, command_reply_v1_t::REFUSED,
                  Printed("%d requests are being answered already", static_cast<int>(kMaxRequests)));
   const bool once = request->rate_hz == 0.0;
-  standing_[request->id] = {*request, now, now + (once ? kPatience : request->duration)};
+  standing_[request->id] = {*request, now, now + (once ? kOnceMayWait : request->duration)};
   Reply(request->id, command_reply_v1_t::OK,
         once ? "with one of the next frames" : "until duration_s is over");
 }

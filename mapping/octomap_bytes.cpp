@@ -64,7 +64,12 @@ std::vector<std::uint8_t> OctomapBytes(std::vector<OccupiedLeaf> leaves, double 
   if (format == OctomapFormat::kOt) {
     tree.write(out);
   } else {
-    tree.writeBinary(out);
+    // As OcTree::writeBinary(), which also talks on the standard output.
+    tree.toMaxLikelihood();
+    tree.prune();
+    out << "# Octomap OcTree binary file\n#\nid OcTree\nsize " << tree.size() << "\nres "
+        << tree.getResolution() << "\ndata\n";
+    tree.writeBinaryData(out);
   }
   const std::string bytes = out.str();
   return {bytes.begin(), bytes.end()};

@@ -71,10 +71,6 @@ class PolygonMerger::Impl {
     Look(view);
     Publish(&update);
     SeeAgain(&update);
-    for (const std::vector<PolygonId>* ids : {&update.added, &update.revised})
-      for (const PolygonId id : *ids) update.changed.push_back(polygons_.Find(id));
-    std::sort(update.changed.begin(), update.changed.end(),
-              [](const PolygonPtr& a, const PolygonPtr& b) { return a->id < b->id; });
     return update;
   }
 
@@ -170,8 +166,12 @@ class PolygonMerger::Impl {
       polygons_.Erase(id);
       update->removed.push_back(id);
     }
-    for (std::vector<PolygonId>* ids : {&update->added, &update->revised})
+    for (std::vector<PolygonId>* ids : {&update->added, &update->revised}) {
       std::sort(ids->begin(), ids->end());
+      for (const PolygonId id : *ids) update->changed.push_back(polygons_.Find(id));
+    }
+    std::sort(update->changed.begin(), update->changed.end(),
+              [](const PolygonPtr& a, const PolygonPtr& b) { return a->id < b->id; });
   }
 
   /// Polygons that this frame showed, and that did not change by it.

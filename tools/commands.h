@@ -26,6 +26,7 @@ void AddDoctorCommand(CLI::App& app);
 void AddDrawCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddExplainCommand(CLI::App& app);
+void AddExportCommand(CLI::App& app);
 void AddInfoCommand(CLI::App& app);
 void AddListenCommand(CLI::App& app);
 void AddRecordCommand(CLI::App& app);

@@ -26,6 +26,7 @@ int Run(int argc, char** argv) {
   terrace::AddDrawCommand(app);
   terrace::AddEvaluateCommand(app);
   terrace::AddExplainCommand(app);
+  terrace::AddExportCommand(app);
   terrace::AddInfoCommand(app);
   terrace::AddListenCommand(app);
   terrace::AddRecordCommand(app);

@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "client/terrace_file.h"
 #include "test/datasets/temporary_folder.h"
+#include "test/lcmtypes/example_maps.h"
 
 namespace terrace {
 namespace {
@@ -63,6 +65,15 @@ TEST_F(CommandObeyerTest, SavesTheMapWholeUnderItsName) {
   text << file.rdbuf();
   EXPECT_THAT(text.str(), HasSubstr("\"terrace-map\""));
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "hall.json.partial"));
+}
+
+TEST_F(CommandObeyerTest, SavesEveryBitOfTheMapUnderANameThatEndsInTerrace) {
+  map_ = std::make_shared<const TerrainMap>(ExampleMaps(3).First(12));
+  const command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::SAVE_MAP, "hall.terrace"));
+  EXPECT_EQ(reply.result, command_reply_v1_t::OK) << reply.message;
+  EXPECT_EQ(TerraceFileBytes(*LoadTerraceFile(folder_.path() / "hall.terrace")), TerraceFileBytes(*map_));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1)
+      << "something else is left";
 }
 
 TEST_F(CommandObeyerTest, RefusesNamesThatLeadElsewhereOrOntoResultsOfTheRun) {
