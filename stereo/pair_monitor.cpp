@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 #include "core/check.h"
+#include "stereo/image_fingerprint.h"
 
 namespace terrace {
 namespace {
@@ -34,25 +34,12 @@ struct Glance {
   std::uint64_t fingerprint = 0;
 };
 
-/// FNV-1a (Fowler, Noll, Vo), eight bytes at once.
-std::uint64_t Mixed(std::uint64_t hash, const std::uint8_t* bytes, int count) {
-  for (int i = 0; i < count; i += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes + i, static_cast<std::size_t>(std::min(8, count - i)));
-    hash = (hash ^ word) * 0x100000001B3u;
-    hash ^= hash >> 29;
-  }
-  return hash;
-}
-
 Glance LookAt(const cv::Mat1b& image) {
   Glance glance;
-  std::uint64_t hash = 0xCBF29CE484222325u;
   std::int64_t sum = 0;
   int num_pieces = 0, num_blank = 0, num_pixels = 0;
   for (int v = kRowStep / 2; v < image.rows; v += kRowStep) {
     const std::uint8_t* row = image[v];
-    hash = Mixed(hash, row, image.cols);
     for (int begin = 0; begin < image.cols; begin += kPieceWidth) {
       const int end = std::min(begin + kPieceWidth, image.cols);
       int least = 255, most = 0, piece_sum = 0;
@@ -68,7 +55,7 @@ Glance LookAt(const cv::Mat1b& image) {
   }
   glance.blank_share = static_cast<float>(num_blank) / static_cast<float>(std::max(num_pieces, 1));
   glance.mean = static_cast<float>(sum) / static_cast<float>(std::max(num_pixels, 1));
-  glance.fingerprint = hash == 0 ? 1 : hash;
+  glance.fingerprint = ImageFingerprint(image);
   return glance;
 }
 
