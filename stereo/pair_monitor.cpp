@@ -15,7 +15,9 @@ constexpr int kRowStep = 8;      // of the rows that are looked at
 constexpr int kPieceWidth = 32;  // of a row
 constexpr int kDisparityStep = 8;
 
-constexpr int kBlack = 4, kWhite = 251;
+constexpr int kWhite = 251;
+/// Mean and most of a piece that shows nothing but the noise of the dark.
+constexpr int kDarkMean = 6, kDarkMost = 14;
 /// Grey levels between the darkest and the brightest pixel of a piece that shows nothing. Sensors' noise is
 /// more where there is any light.
 constexpr int kFlat = 2;
@@ -26,6 +28,11 @@ constexpr float kSomethingToSee = 0.7f;  // less blank than this
 /// Two images of different things have disparities on less than this, a pair on more.
 constexpr float kDifferentKnown = 0.5f;
 constexpr float kRowsOff_px = 0.7f;
+/// Roots of mean squares over the image: what calibrations leave over is less.
+constexpr float kWarped_px = 0.5f;
+/// From one frame to the next; calibrations do not change.
+constexpr float kRowsChange_px = 1.0f;
+constexpr float kMuchBrighter = 1.5f;
 
 /// What the rows of one image say that are looked at.
 struct Glance {
@@ -50,7 +57,8 @@ Glance LookAt(const cv::Mat1b& image) {
       }
       sum += piece_sum, num_pixels += end - begin;
       ++num_pieces;
-      num_blank += most - least <= kFlat || most <= kBlack || least >= kWhite;
+      const bool dark = most <= kDarkMost && piece_sum <= kDarkMean * (end - begin);
+      num_blank += most - least <= kFlat || dark || least >= kWhite;
     }
   }
   glance.blank_share = static_cast<float>(num_blank) / static_cast<float>(std::max(num_pieces, 1));
@@ -82,7 +90,28 @@ std::string Sentence(const char* format, double value) {
   return text;
 }
 
+std::string Different(float brightness_ratio) {
+  const std::string what =
+      "the two images do not show the same: not of one moment, swapped, not rectified, or one of another "
+      "camera";
+  if (brightness_ratio > kMuchBrighter)
+    return what + Sentence("; the right one is %.1f times as bright: look at its exposure", brightness_ratio);
+  if (brightness_ratio < 1.0f / kMuchBrighter)
+    return what +
+           Sentence("; the left one is %.1f times as bright: look at its exposure", 1 / brightness_ratio);
+  return what;
+}
+
 }  // namespace
+
+bool LastingFinding::Update(std::optional<bool> seen) {
+  constexpr int kLasts = 15;  // frames
+  if (!seen) return num_left_ > 0;
+  const bool again = *seen && (seen_before_ || num_left_ > 0);
+  num_left_ = again ? kLasts : std::max(num_left_ - 1, 0);
+  seen_before_ = *seen;
+  return *seen || num_left_ > 0;
+}
 
 std::string PairHealth::Reason() const {
   if (left_blank && right_blank) return "both images are blank: no light, or the lenses are covered";
@@ -102,9 +131,16 @@ std::string PairHealth::Reason() const {
   }
   if (left_stands) return "the left camera gives the same image again and again: it is frozen";
   if (right_stands) return "the right camera gives the same image again and again: it is frozen";
-  if (different)
-    return "the two images do not show the same: not of one moment, swapped, not rectified, or one of "
-           "another camera";
+  if (not_at_once)
+    return "the rows of the right image come and go: the two images are not of one moment, one camera is "
+           "late";
+  if (different) return Different(brightness_ratio);
+  if (warped)
+    return Sentence(
+        "the right image is rolled or of another size by what its rows show, which makes disparities wrong "
+        "by "
+        "%.1f px: calibrate the pair again",
+        disparity_error_px);
   if (rows_off)
     return Sentence("the rows of the right image are off by %.1f px: calibrate the pair again",
                     std::abs(row_offsets.centre_px));
@@ -136,16 +172,37 @@ PairHealth PairMonitor::Check(const StereoFrame& frame, const DisparityImage& di
   health.right_blank = right.blank_share > kAllBlank;
   health.half_blank = std::abs(left.blank_share - right.blank_share) > kMuchMoreBlank;
   const bool both_show = std::max(left.blank_share, right.blank_share) < kSomethingToSee;
-  health.different = both_show && health.row_offsets.num_places == 0 && health.known_share < kDifferentKnown;
+  const bool different =
+      both_show && health.row_offsets.num_places == 0 && health.known_share < kDifferentKnown;
+  health.different = different_.Update(different);
   constexpr int kStands = 2, kStandsLong = 10;  // frames
   // A blank image is the same again and again, too, and that it is blank says more.
   const bool any_blank = health.left_blank || health.right_blank;
   health.left_stands = num_same_left_ >= kStands && num_same_right_ == 0 && !any_blank;
   health.right_stands = num_same_right_ >= kStands && num_same_left_ == 0 && !any_blank;
   health.both_stand = std::min(num_same_left_, num_same_right_) >= kStandsLong && !any_blank;
-  health.rows_off =
-      health.row_offsets.num_places > 0 && health.row_offsets.Rms(frame.left.size()) > kRowsOff_px;
+  CheckRows(frame.left.size(), &health);
   return health;
+}
+
+void PairMonitor::CheckRows(const cv::Size& size, PairHealth* health) {
+  const RowOffsets& rows = health->row_offsets;
+  if (rows.num_places == 0) {
+    health->warped = warped_.Update(std::nullopt);
+    health->not_at_once = not_at_once_.Update(std::nullopt);
+    health->disparity_error_px = disparity_error_px_;
+    return;
+  }
+  // A roll by a moves a pixel by (-a y, a x), another size by s (x, y): the rows show both.
+  const float of_roll = rows.per_column * static_cast<float>(size.height),
+              of_size = rows.per_row * static_cast<float>(size.width);
+  disparity_error_px_ = std::sqrt((of_roll * of_roll + of_size * of_size) / 12.0f);
+  health->disparity_error_px = disparity_error_px_;
+  const bool changed = rows_before_px_ && std::abs(rows.centre_px - *rows_before_px_) > kRowsChange_px;
+  rows_before_px_ = rows.centre_px;
+  health->not_at_once = not_at_once_.Update(changed);
+  health->warped = warped_.Update(disparity_error_px_ > kWarped_px);
+  health->rows_off = rows.Rms(size) > kRowsOff_px;
 }
 
 }  // namespace terrace
