@@ -198,6 +198,12 @@ RowOffsets Fit(const std::vector<Place>& places, float width_px, RowOffsets fit)
   return fit;
 }
 
+/// The largest offset in an image of that size, up or down.
+float Farthest(const RowOffsets& offsets, const cv::Size& size) {
+  return std::abs(offsets.centre_px) + 0.5f * (std::abs(offsets.per_column) * static_cast<float>(size.width) +
+                                               std::abs(offsets.per_row) * static_cast<float>(size.height));
+}
+
 /// The median offset: where a fit may start.
 RowOffsets Middle(std::vector<Place> places) {
   const auto middle = places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2);
@@ -230,7 +236,9 @@ RowOffsets MeasureRowOffsets(const cv::Mat1b& left, const cv::Mat1b& right, int 
     const std::vector<Place> places = MeasurePlaces(left, matched, {num_disparities, 1, near, 0});
     if (static_cast<int>(places.size()) < kMinPlaces) continue;
     const RowOffsets offsets = Fit(places, width, near);
-    if (offsets.spread_px <= kMaxSpread) return offsets;
+    // What is not farther than the usual look reaches would have been found by it.
+    const bool farther = Farthest(offsets, left.size()) > kUsualRowOffset;
+    if (offsets.spread_px <= kMaxSpread && (margin == kUsualRowOffset || farther)) return offsets;
   }
   return {};
 }
