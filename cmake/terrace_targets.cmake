@@ -12,7 +12,7 @@ target_compile_options(terrace_options INTERFACE -ffp-contract=off -Wall -Wextra
 if(TERRACE_SANITIZE)
   # GCC takes what the sanitizers insert for reads of unset variables; the presets' -O1 keeps the tests within minutes.
   target_compile_options(terrace_options INTERFACE -fsanitize=${TERRACE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
-                                                   -Wno-maybe-uninitialized)
+                                                   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(terrace_options INTERFACE -fsanitize=${TERRACE_SANITIZE})
 endif()
 

@@ -111,7 +111,8 @@ std::string Pipeline::CheckPair(const StereoFrame& frame, const DisparityImage& 
                                 std::vector<std::string>* warnings) {
   const PairHealth health = pair_monitor_.Check(frame, disparity);
   const PairFindings findings{health.left_blank,  health.right_blank,  health.half_blank, health.different,
-                              health.left_stands, health.right_stands, health.both_stand, health.rows_off};
+                              health.left_stands, health.right_stands, health.both_stand, health.rows_off,
+                              health.warped,      health.not_at_once};
   if (std::exchange(pair_findings_, findings) != findings) {
     const std::string reason = health.Reason();
     warnings->push_back(reason.empty() ? "the two cameras show the same again" : reason);

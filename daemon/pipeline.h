@@ -104,7 +104,7 @@ class Pipeline {
   /// Of the frame that will use it; null where the motion is not known.
   std::shared_ptr<const DisparityPrior> ExpectDisparities(const DisparityImage& disparity,
                                                           const PoseEstimate& pose) const;
-  using PairFindings = std::array<bool, 8>;
+  using PairFindings = std::array<bool, 10>;
 
   /// Why the images cannot be what a pair sees; empty: they can. Tells the user when that changes.
   std::string CheckPair(const StereoFrame& frame, const DisparityImage& disparity,

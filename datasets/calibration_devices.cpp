@@ -234,12 +234,10 @@ CalibrationParts ReadRealSenseText(const std::string& text, const std::string& w
 CalibrationParts ReadEcon(const YamlValue& root) {
   CalibrationParts out;
   out.format = "e-con camera file";
-  for (const auto& [side, name] :
-       {std::pair{CameraSide::kLeft, "Camera1"}, std::pair{CameraSide::kRight, "Camera2"}}) {
-    const auto number = [&](const char* key) { return root[std::string(name) + "." + key].Number(); };
-    const auto number_or_zero = [&](const char* key) {
-      return root.NumberOr(std::string(name) + "." + key, 0.0);
-    };
+  for (const CameraSide side : {CameraSide::kLeft, CameraSide::kRight}) {
+    const std::string name = side == CameraSide::kLeft ? "Camera1" : "Camera2";
+    const auto number = [&](const char* key) { return root[name + "." + key].Number(); };
+    const auto number_or_zero = [&](const char* key) { return root.NumberOr(name + "." + key, 0.0); };
     CameraPart part;
     part.place = root.where() + ": " + name;
     part.side = side;

@@ -37,8 +37,8 @@ struct ImageHeader {
 };
 
 /// Any PNG, JPEG or binary PNM (P5, P6) as 8-bit grey: colour by the luma weights of BT.601, 16 bits scaled
-/// to 8, alpha ignored. A truncated or damaged file is refused as a whole, never half read. Throws
-/// FileError.
+/// to 8 (of which the upper ones must be used), alpha ignored. A truncated or damaged file is refused as a
+/// whole, never half read. Throws FileError.
 GrayImage ReadGrayImage(const std::filesystem::path& path);
 
 /// The same from memory; `name` stands for the file in messages.

@@ -176,6 +176,11 @@ GrayImage DecodePng(std::span<const std::uint8_t> bytes, const std::string& name
   const int channels = png_get_channels(reader.png, reader.info);
   TERRACE_CHECK(channels == 1 || channels == 3, channels);
   GrayImage image{size.width, size.height, ReadPngRows(reader, name)};
+  const bool only_low_bits =
+      size.bits == 16 && std::ranges::all_of(image.data, [](std::uint8_t grey) { return grey <= 1; });
+  if (only_low_bits)
+    RefuseImage(name,
+                "its 16 bits a pixel hold no more than 8 bits of grey, or it is black: write 8-bit files");
   if (channels == 3) {
     const std::size_t num_pixels = image.data.size() / 3;
     for (std::size_t i = 0; i < num_pixels; ++i) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "labeling/region_record.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace terrace {
 Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
@@ -68,8 +71,23 @@ void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, con
   region->num_observations = polygon.num_observations;
   region->first_seen = polygon.first_seen;
   region->last_seen = polygon.last_seen;
+  if (region_) {
+    region->num_observations = std::max(region->num_observations, region_->num_observations + num_seen_);
+    region->last_seen = std::max(region->last_seen, region_->last_seen);
+  }
+  num_seen_ = 0;
   region->staircase_id = staircase_id;
   region->step_index = step_index;
+  region_ = std::move(region);
+}
+
+void RegionRecord::See(Timestamp t_capture) {
+  constexpr std::chrono::milliseconds kTellSeen{200};
+  ++num_seen_;
+  if (t_capture - region_->last_seen < kTellSeen) return;
+  auto region = std::make_shared<TerrainRegion>(*region_);
+  region->num_observations += std::exchange(num_seen_, 0);
+  region->last_seen = t_capture;
   region_ = std::move(region);
 }
 

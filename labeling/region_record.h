@@ -24,6 +24,10 @@ class RegionRecord {
   /// @param stairs  null: in no staircase
   void Tell(const RegionShapePtr& shape, const Verdict& verdict, const InStaircase* stairs);
 
+  /// It was in view and has not changed: the region is the same, of the same revision, but seen later. Told five
+  /// times a second at most, since each time is a copy. Only where it is told.
+  void See(Timestamp t_capture);
+
   /// It is there, but not worth telling.
   void Withhold() { told_ = false; }
   bool told() const { return told_; }
@@ -47,6 +51,7 @@ class RegionRecord {
   LabelEvidence evidence_;
   TerrainLabel next_label_ = TerrainLabel::kUnknown;
   int num_next_ = 0;
+  int num_seen_ = 0;  // frames that showed it since it was told
 };
 
 }  // namespace terrace

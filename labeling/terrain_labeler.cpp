@@ -166,6 +166,7 @@ class TerrainLabeler::Impl {
     const double cap = guess ? kMaxAssumed : 1.0;
     MapEdits edits;
     TellRegions(verdicts, cap, &edits);
+    TellSeen(update, &edits);
     predicted_.Update(tracker_, table_, cap);
     edits.regions.insert(predicted_.changes().begin(), predicted_.changes().end());
     TellStaircases(cap, &edits);
@@ -199,6 +200,15 @@ class TerrainLabeler::Impl {
       if (left == records_.end() || !left->second.told() || !left->second.region()->staircase_id) continue;
       left->second.Tell(table_.all().at(id), {}, nullptr);
       edits->regions[id] = left->second.region();
+    }
+  }
+
+  void TellSeen(const PolygonUpdate& update, MapEdits* edits) {
+    for (const PolygonId id : update.seen) {
+      const auto record = records_.find(id);
+      if (record == records_.end() || !record->second.told()) continue;
+      record->second.See(update.t_capture);
+      edits->regions[id] = record->second.region();
     }
   }
 

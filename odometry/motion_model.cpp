@@ -154,17 +154,6 @@ void MotionModel::RestartKeyframe() {
   keyframe_imu_gapless_ = true;
 }
 
-bool MotionModel::ImuContradicts(const PoseEstimate& pose, const Motion& predicted) {
-  if (!imu_in_use_ || !imu_gapless_) return false;
-  constexpr double kMaxErrorRad = 0.015;
-  constexpr double kMaxErrorRate = 0.3;  // rad / s
-  constexpr int kMaxContradictions = 8;
-  const Eigen::Matrix3d error = predicted.T_last_left.linear().transpose() * pose.T_prev_left.linear();
-  const bool contradicts = LogRotation(error).norm() > kMaxErrorRad + kMaxErrorRate * predicted.dt_s;
-  num_contradictions_ = std::max(0, num_contradictions_ + (contradicts ? 1 : -1));
-  return num_contradictions_ >= kMaxContradictions;
-}
-
 void MotionModel::RefuseImu() {
   imu_in_use_ = false;
   imu_refused_ = true;

@@ -69,9 +69,6 @@ class MotionModel {
   /// True when samples have come that may be used.
   bool has_imu() const { return newest_sample_.has_value() && !imu_refused_; }
   void UseImu() { imu_in_use_ = true; }
-  /// An IMU whose turns the images contradict again and again is mounted or timed differently than we were
-  /// told.
-  bool ImuContradicts(const PoseEstimate& pose, const Motion& predicted);
   void RefuseImu();
   bool imu_refused() const { return imu_refused_; }
   const Eigen::Vector3d& imu_velocity_world() const { return imu_velocity_world_; }
@@ -95,7 +92,6 @@ class MotionModel {
 
   bool imu_in_use_ = false;
   bool imu_refused_ = false;
-  int num_contradictions_ = 0;  ///< frames that the IMU turned otherwise, less those it did not
   std::optional<ImuSample> newest_sample_;
   std::optional<ImuPreintegration> imu_since_last_;
   std::optional<ImuPreintegration> imu_since_keyframe_;

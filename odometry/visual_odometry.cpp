@@ -8,18 +8,22 @@
 #include <utility>
 
 #include "core/check.h"
+#include "core/print.h"
 #include "odometry/bridging.h"
 #include "odometry/covariance.h"
 #include "odometry/credible.h"
 #include "odometry/floor_check.h"
 #include "odometry/image_pyramid.h"
 #include "odometry/imu_check.h"
+#include "odometry/imu_watch.h"
 #include "odometry/keyframe_archive.h"
 #include "odometry/keyframe_maker.h"
 #include "odometry/keyframe_policy.h"
 #include "odometry/motion_model.h"
 #include "odometry/pose_finder.h"
 #include "odometry/rotation.h"
+#include "odometry/standing_images.h"
+#include "odometry/turn_comparison.h"
 #include "odometry/vertical_monitor.h"
 #include "odometry/window.h"
 #include "odometry/window_optimizer.h"
@@ -59,18 +63,28 @@ class VisualOdometry::Impl {
     const ImagePyramid left = BuildPyramid(frame.left);
     const ImagePyramid right = BuildPyramid(frame.right);
     sightings_ = {};
+    standing_.See(frame);
     if (!last_) return Start(frame, left, right, samples, {});
 
     if (frame.t_capture <= last_->t_capture) LoseTime(frame.t_capture);
     Read(samples, frame.t_capture);
     const Motion predicted = Predict(frame.t_capture);
+    if (const std::string frozen = Frozen(predicted); !frozen.empty()) {
+      PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted, frozen);
+      pose.reason_code = ReasonCode::kUnreadableImages;
+      return pose;
+    }
     const Expectation expected = Expected(frame, predicted);
     const auto found = pose_finder_.Find(window_, left, right, expected);
     if (!found || !CanHaveMovedTo(found->solution.T_world_left, predicted.dt_s))
       return Unfound(frame, left, right, samples, predicted);
-    const Witness::Verdict verdict = Hear(expected, predicted, found->solution.T_world_left);
+    Witness::Verdict verdict = Hear(expected, predicted, found->solution.T_world_left);
+    if (const auto problem = ImuProblem(expected, predicted, found->solution.T_world_left)) {
+      RefuseImu(*problem);
+      verdict = Witness::Verdict::kAgrees;
+    }
     const bool in_doubt = verdict != Witness::Verdict::kAgrees;
-    if (in_doubt && !WitnessIsWrong(verdict, predicted))
+    if (in_doubt && verdict != Witness::Verdict::kAgreesAgain && !WitnessIsWrong(verdict, predicted))
       return expected.lost ? BeginWithout(predicted, frame, left, right, samples)
                            : Contradicted(frame, predicted, found->solution.T_world_left);
 
@@ -78,8 +92,6 @@ class VisualOdometry::Impl {
     if (in_doubt) Doubt(predicted, &pose);
     if (expected.lost) motion_.Lose();
     motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_.gravity());
-    if (!expected.lost && motion_.ImuContradicts(pose, predicted))
-      RefuseImu("the IMU turns otherwise than the images: check T_BS of the IMU, its units and its clock");
     if (!motion_.imu_in_use()) gravity_.FollowAttitude(samples, pose);
     for (const auto& warning : {motion_.legs().TakeWarning(), gravity_.TakeWarning()})
       if (warning) warnings_.push_back(*warning);
@@ -211,14 +223,38 @@ class VisualOdometry::Impl {
   }
 
   void Read(const SensorSamples& samples, Timestamp t_capture) {
-    if (config_.use_imu && mounting_.T_left_imu && !motion_.imu_refused())
-      if (const auto problem = imu_check_.Read(samples.imu, t_capture)) RefuseImu(*problem);
+    if (config_.use_imu && mounting_.T_left_imu && !motion_.imu_refused()) ReadImu(samples.imu, t_capture);
+    if (last_ && Seconds(t_capture - last_->t_capture) > config_.max_bridging_s)
+      warnings_.push_back(
+          Printed("no image for %.1f s: the cameras were silent, or the clock was set forward",
+                  Seconds(t_capture - last_->t_capture)));
     motion_.Read(samples, last_, t_capture, window_.keyframes.back());
     if (motion_.imu_in_use() || !motion_.has_imu() || window_.keyframes.size() > 1) return;
     // The IMU came after the first image.
     motion_.UseImu();
     gravity_.UseImu();
     StartWindow(keyframe_covariance_);
+  }
+
+  void ReadImu(const std::vector<ImuSample>& samples, Timestamp t_capture) {
+    std::optional<std::string> problem = imu_check_.Read(samples, t_capture);
+    const std::optional<std::string> clipped = imu_watch_.Read(samples);
+    if (!problem) problem = clipped;
+    if (problem) return RefuseImu(*problem);
+    if (imu_watch_.HasFallenSilent(t_capture))
+      warnings_.push_back("the IMU says nothing any more: until it does, nothing is known by it");
+  }
+
+  /// Why these images cannot be what the cameras see now; empty: they can. Both standing still is no fault of
+  /// a robot that stands, or of a recording of one pair.
+  std::string Frozen(const Motion& predicted) {
+    if (standing_.left_alone()) return "the left camera gives the same image again and again: it is frozen";
+    constexpr double kMoves_m = 0.01, kMoves_rad = 0.004;  // in a frame; more than a sensor at rest says
+    const bool measured = witness_.proven() && (predicted.by_imu || predicted.by_legs);
+    const bool moves = measured && (predicted.T_last_left.translation().norm() > kMoves_m ||
+                                    LogRotation(predicted.T_last_left.linear()).norm() > kMoves_rad);
+    frozen_ = standing_.both() && (frozen_ || moves);
+    return frozen_ ? "both cameras give the same images again and again: they are frozen" : "";
   }
 
   /// What cannot be is not predicted: then the camera is taken to stay where it is.
@@ -260,6 +296,7 @@ class VisualOdometry::Impl {
   void RefuseImu(const std::string& why) {
     motion_.RefuseImu();
     witness_.Reset();
+    turns_.Reset();
     warnings_.push_back(why + "; the IMU is not used any more");
     gravity_.RefuseImu();
     StartWindow(keyframe_covariance_);
@@ -294,6 +331,19 @@ class VisualOdometry::Impl {
                          bridging_.ExpectedCovariance(predicted), predicted.dt_s);
   }
 
+  /// Why the IMU cannot be believed, by what the images show.
+  std::optional<std::string> ImuProblem(const Expectation& expected, const Motion& predicted,
+                                        const Eigen::Isometry3d& T_world_found) {
+    if (expected.lost || !predicted.by_imu) return std::nullopt;
+    const Eigen::Matrix3d R_seen_world = expected.T_world_seen.linear().transpose();
+    const Eigen::Vector3d by_images = LogRotation(R_seen_world * T_world_found.linear());
+    constexpr double kTurns_rad = 0.005;
+    if (imu_watch_.stands() && by_images.norm() > kTurns_rad)
+      return "the IMU gives the same reading again and again while the images turn: it is frozen";
+    turns_.Hear(LogRotation(R_seen_world * expected.prior.T_world_left.linear()), by_images, predicted.dt_s);
+    return turns_.Problem();
+  }
+
   /// What passes by hardly seems to turn the camera: then it is the IMU that is wrong. Legs slip a little
   /// all the time, and as long as they have not walked in agreement they may be wrong altogether.
   bool WitnessIsWrong(Witness::Verdict verdict, const Motion& predicted) {
@@ -318,7 +368,8 @@ class VisualOdometry::Impl {
     PoseEstimate pose = Bridged(frame.frame_id, frame.t_capture, predicted, Apart(predicted));
     pose.reason_code = ReasonCode::kAmbiguousMotion;
     const Vector6d apart = StepBetween(pose.T_world_left, T_world_found);
-    pose.covariance += apart * apart.transpose();
+    contested_ = apart * apart.transpose();
+    pose.covariance += contested_;
     return pose;
   }
 
@@ -447,12 +498,16 @@ class VisualOdometry::Impl {
       pose.num_inliers = known->num_inliers;
       witness_.Reset();
       Remember(pose);
+    } else if (!lost && HasJumped(known, left, landmarks, pose)) {
+      return Jumped(std::move(pose));
     } else if (++num_strange_frames_ < kMaxStrangeFrames) {
       return pose;
     }
     num_strange_frames_ = 0;
-    // Feet may slip: where they and the images have excluded each other, nobody knows.
-    if (!lost && predicted.by_legs && witness_.contradicts()) return pose;
+    // Feet may slip, an IMU may fail: where a sensor and the images have excluded each other, nobody knows.
+    const bool contested = !contested_.isZero();
+    if (contested && pose.status != TrackingStatus::kTracking) pose.covariance += contested_;
+    if (!lost && contested && pose.status != TrackingStatus::kTracking) return pose;
     if (lost && pose.status != TrackingStatus::kTracking) return BeginAnew(frame, left, right, samples);
     const KeyframeState biases = window_.keyframes.back();
     window_ = {};
@@ -464,9 +519,39 @@ class VisualOdometry::Impl {
     return pose;
   }
 
+  /// What has been strange for some frames is a place known well, and far from where it can be.
+  /// @param near  what was recognised nearby
+  bool HasJumped(const std::optional<KeyframeArchive::Recognition>& near, const ImagePyramid& left,
+                 const std::vector<Landmark>& landmarks, const PoseEstimate& pose) const {
+    constexpr double kFar_m = 0.5;  // farther than a bridge of some frames leads astray
+    if (num_strange_frames_ == 0) return false;
+    const auto known = near ? near
+                            : archive_.Recognize(left, landmarks, pose.T_world_left, num_strange_frames_,
+                                                 static_cast<std::uint32_t>(pose.frame_id));
+    return known && known->num_inliers >= 2 * config_.min_inliers &&
+           (known->T_world_left.translation() - pose.T_world_left.translation()).norm() > kFar_m;
+  }
+
+  /// The camera was carried there, or the player of a recording was started again: what the IMU, the legs and
+  /// the motion so far say about where it is now is nothing.
+  PoseEstimate Jumped(PoseEstimate pose) {
+    warnings_.push_back(
+        "the images show a place that cannot have been reached: the view has jumped, or a recording begins "
+        "anew");
+    pose.status = TrackingStatus::kLost;
+    pose.reason = warnings_.back();
+    pose.reason_code = ReasonCode::kNotFoundAgain;
+    bridging_.LoseTime();
+    motion_.Lose();
+    Remember(pose);
+    return pose;
+  }
+
   void Remember(const PoseEstimate& pose) {
     last_ = pose;
-    if (pose.status == TrackingStatus::kTracking) bridging_.See(pose);
+    if (pose.status != TrackingStatus::kTracking) return;
+    bridging_.See(pose);
+    contested_.setZero();
   }
 
   void AddKeyframe(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
@@ -495,13 +580,19 @@ class VisualOdometry::Impl {
   GravityKeeper gravity_;
   VerticalMonitor vertical_;
   ImuCheck imu_check_;
+  ImuWatch imu_watch_;
+  TurnComparison turns_;
+  StandingImages standing_;
   Bridging bridging_;
   Witness witness_;
 
   Window window_;
   Matrix6d keyframe_covariance_ = Matrix6d::Zero();  ///< of the newest keyframe against the first pose
   std::optional<PoseEstimate> last_;
+  /// By how much images and a sensor have excluded each other since the last tracked frame.
+  Matrix6d contested_ = Matrix6d::Zero();
   Matrix6d own_covariance_ = Matrix6d::Zero();  ///< of the last tracked frame against its keyframe
+  bool frozen_ = false;                         ///< both cameras, since their images stand
   int epoch_ = 0;
   int num_incredible_ = 0;      ///< readings that no sensor can have made
   int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's

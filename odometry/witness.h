@@ -16,6 +16,7 @@ class Witness {
     kAgrees,
     kDriftsApart,  ///< each frame for itself is possible, but they lead apart: the pose is in doubt
     kContradicts,  ///< one of the two is wrong in this frame
+    kAgreesAgain,  ///< for so short a time that it may be by chance
   };
 
   /// @param error  step from where the sensor expects the camera to where the images show it
@@ -24,6 +25,8 @@ class Witness {
   /// Nothing that was heard counts any more: it has to prove itself anew.
   void Reset() { *this = {}; }
 
+  /// It has agreed for long enough that what it says counts.
+  bool proven() const;
   /// For how long it has contradicted or drifted apart without agreeing in between.
   double disagreed_s() const { return disagreed_s_; }
   bool contradicts() const { return contradicts_; }
@@ -40,6 +43,7 @@ class Witness {
   bool contradicts_ = false;
   bool turns_otherwise_ = false;
   int num_agreed_ = 0;
+  int num_agreed_again_ = 0;  ///< in a row, since it contradicted
 };
 
 }  // namespace terrace

@@ -201,7 +201,7 @@ class PolygonMerger::Impl {
     if (const PolygonMap::Entry* before = polygons_.FindEntry(id)) {
       if (!HasChanged(*before->polygon, polygon, config_.min_change_m)) return;
       polygon.revision = before->polygon->revision + 1;
-      polygon.num_observations = before->polygon->num_observations + 1;
+      polygon.num_observations = before->num_observations + 1;
       polygon.first_seen = before->polygon->first_seen;
       update->revised.push_back(id);
     } else {

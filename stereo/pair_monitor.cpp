@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 #include "core/check.h"
+#include "stereo/image_fingerprint.h"
 
 namespace terrace {
 namespace {
@@ -15,7 +15,9 @@ constexpr int kRowStep = 8;      // of the rows that are looked at
 constexpr int kPieceWidth = 32;  // of a row
 constexpr int kDisparityStep = 8;
 
-constexpr int kBlack = 4, kWhite = 251;
+constexpr int kWhite = 251;
+/// Mean and most of a piece that shows nothing but the noise of the dark.
+constexpr int kDarkMean = 6, kDarkMost = 14;
 /// Grey levels between the darkest and the brightest pixel of a piece that shows nothing. Sensors' noise is
 /// more where there is any light.
 constexpr int kFlat = 2;
@@ -26,6 +28,12 @@ constexpr float kSomethingToSee = 0.7f;  // less blank than this
 /// Two images of different things have disparities on less than this, a pair on more.
 constexpr float kDifferentKnown = 0.5f;
 constexpr float kRowsOff_px = 0.7f;
+/// Radians of roll, and share of the size: a quarter of a degree or four thousandths. Real rigs that were
+/// calibrated with care leave over half as much, measured.
+constexpr float kWarped = 0.004f;
+/// From one frame to the next; calibrations do not change.
+constexpr float kRowsChange_px = 1.0f;
+constexpr float kMuchBrighter = 1.5f;
 
 /// What the rows of one image say that are looked at.
 struct Glance {
@@ -34,25 +42,12 @@ struct Glance {
   std::uint64_t fingerprint = 0;
 };
 
-/// FNV-1a (Fowler, Noll, Vo), eight bytes at once.
-std::uint64_t Mixed(std::uint64_t hash, const std::uint8_t* bytes, int count) {
-  for (int i = 0; i < count; i += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes + i, static_cast<std::size_t>(std::min(8, count - i)));
-    hash = (hash ^ word) * 0x100000001B3u;
-    hash ^= hash >> 29;
-  }
-  return hash;
-}
-
 Glance LookAt(const cv::Mat1b& image) {
   Glance glance;
-  std::uint64_t hash = 0xCBF29CE484222325u;
   std::int64_t sum = 0;
   int num_pieces = 0, num_blank = 0, num_pixels = 0;
   for (int v = kRowStep / 2; v < image.rows; v += kRowStep) {
     const std::uint8_t* row = image[v];
-    hash = Mixed(hash, row, image.cols);
     for (int begin = 0; begin < image.cols; begin += kPieceWidth) {
       const int end = std::min(begin + kPieceWidth, image.cols);
       int least = 255, most = 0, piece_sum = 0;
@@ -63,12 +58,13 @@ Glance LookAt(const cv::Mat1b& image) {
       }
       sum += piece_sum, num_pixels += end - begin;
       ++num_pieces;
-      num_blank += most - least <= kFlat || most <= kBlack || least >= kWhite;
+      const bool dark = most <= kDarkMost && piece_sum <= kDarkMean * (end - begin);
+      num_blank += most - least <= kFlat || dark || least >= kWhite;
     }
   }
   glance.blank_share = static_cast<float>(num_blank) / static_cast<float>(std::max(num_pieces, 1));
   glance.mean = static_cast<float>(sum) / static_cast<float>(std::max(num_pixels, 1));
-  glance.fingerprint = hash == 0 ? 1 : hash;
+  glance.fingerprint = ImageFingerprint(image);
   return glance;
 }
 
@@ -95,7 +91,28 @@ std::string Sentence(const char* format, double value) {
   return text;
 }
 
+std::string Different(float brightness_ratio) {
+  const std::string what =
+      "the two images do not show the same: not of one moment, swapped, not rectified, or one of another "
+      "camera";
+  if (brightness_ratio > kMuchBrighter)
+    return what + Sentence("; the right one is %.1f times as bright: look at its exposure", brightness_ratio);
+  if (brightness_ratio < 1.0f / kMuchBrighter)
+    return what +
+           Sentence("; the left one is %.1f times as bright: look at its exposure", 1 / brightness_ratio);
+  return what;
+}
+
 }  // namespace
+
+bool LastingFinding::Update(std::optional<bool> seen) {
+  constexpr int kLasts = 15;  // frames
+  if (!seen) return num_left_ > 0;
+  const bool again = *seen && (seen_before_ || num_left_ > 0);
+  num_left_ = again ? kLasts : std::max(num_left_ - 1, 0);
+  seen_before_ = *seen;
+  return *seen || num_left_ > 0;
+}
 
 std::string PairHealth::Reason() const {
   if (left_blank && right_blank) return "both images are blank: no light, or the lenses are covered";
@@ -115,9 +132,16 @@ std::string PairHealth::Reason() const {
   }
   if (left_stands) return "the left camera gives the same image again and again: it is frozen";
   if (right_stands) return "the right camera gives the same image again and again: it is frozen";
-  if (different)
-    return "the two images do not show the same: not of one moment, swapped, not rectified, or one of "
-           "another camera";
+  if (not_at_once)
+    return "the rows of the right image come and go: the two images are not of one moment, one camera is "
+           "late";
+  if (different) return Different(brightness_ratio);
+  if (warped)
+    return Sentence(
+        "the right image is rolled or of another size by what its rows show, which makes disparities wrong "
+        "by "
+        "%.1f px: calibrate the pair again",
+        disparity_error_px);
   if (rows_off)
     return Sentence("the rows of the right image are off by %.1f px: calibrate the pair again",
                     std::abs(row_offsets.centre_px));
@@ -149,16 +173,37 @@ PairHealth PairMonitor::Check(const StereoFrame& frame, const DisparityImage& di
   health.right_blank = right.blank_share > kAllBlank;
   health.half_blank = std::abs(left.blank_share - right.blank_share) > kMuchMoreBlank;
   const bool both_show = std::max(left.blank_share, right.blank_share) < kSomethingToSee;
-  health.different = both_show && health.row_offsets.num_places == 0 && health.known_share < kDifferentKnown;
+  const bool different =
+      both_show && health.row_offsets.num_places == 0 && health.known_share < kDifferentKnown;
+  health.different = different_.Update(different);
   constexpr int kStands = 2, kStandsLong = 10;  // frames
   // A blank image is the same again and again, too, and that it is blank says more.
   const bool any_blank = health.left_blank || health.right_blank;
   health.left_stands = num_same_left_ >= kStands && num_same_right_ == 0 && !any_blank;
   health.right_stands = num_same_right_ >= kStands && num_same_left_ == 0 && !any_blank;
   health.both_stand = std::min(num_same_left_, num_same_right_) >= kStandsLong && !any_blank;
-  health.rows_off =
-      health.row_offsets.num_places > 0 && health.row_offsets.Rms(frame.left.size()) > kRowsOff_px;
+  CheckRows(frame.left.size(), &health);
   return health;
+}
+
+void PairMonitor::CheckRows(const cv::Size& size, PairHealth* health) {
+  const RowOffsets& rows = health->row_offsets;
+  if (rows.num_places == 0) {
+    health->warped = warped_.Update(std::nullopt);
+    health->not_at_once = not_at_once_.Update(std::nullopt);
+    health->disparity_error_px = disparity_error_px_;
+    return;
+  }
+  // A roll by a moves a pixel by (-a y, a x), another size by s (x, y): the rows show both.
+  const float of_roll = rows.per_column * static_cast<float>(size.height),
+              of_size = rows.per_row * static_cast<float>(size.width);
+  disparity_error_px_ = std::sqrt((of_roll * of_roll + of_size * of_size) / 12.0f);
+  health->disparity_error_px = disparity_error_px_;
+  const bool changed = rows_before_px_ && std::abs(rows.centre_px - *rows_before_px_) > kRowsChange_px;
+  rows_before_px_ = rows.centre_px;
+  health->not_at_once = not_at_once_.Update(changed);
+  health->warped = warped_.Update(std::hypot(rows.per_column, rows.per_row) > kWarped);
+  health->rows_off = rows.Rms(size) > kRowsOff_px;
 }
 
 }  // namespace terrace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "stereo/disparity_image.h"
@@ -22,6 +23,9 @@ struct PairHealth {
   /// By how many rows the right image is off. `num_places` is 0 where the two have too little in common to
   /// tell.
   RowOffsets row_offsets;
+  /// By how much disparities are wrong, root mean square over the image, by the roll and the size of the
+  /// right camera that its rows show.
+  float disparity_error_px = 0.0f;
   /// Of the pixels that were matched, those with a disparity.
   float known_share = 0.0f;
   /// As in DisparityImage.
@@ -34,13 +38,28 @@ struct PairHealth {
   bool right_stands = false;  ///< likewise
   bool both_stand = false;    ///< both cameras, for long; recordings of one pair do so, too
   bool rows_off = false;      ///< so much that the rig should be calibrated again
+  bool warped = false;        ///< the right camera is rolled or of another size: disparities are wrong, too
+  bool not_at_once = false;   ///< rows that come and go: the two images are not of one moment
 
   /// Nothing that this frame shows should enter the map.
   bool stops_mapping() const {
-    return left_blank || right_blank || half_blank || different || left_stands || right_stands;
+    return left_blank || right_blank || half_blank || different || left_stands || right_stands || warped ||
+           not_at_once;
   }
   /// The gravest finding in a sentence, with what to do; empty when there is none.
   std::string Reason() const;
+};
+
+/// A finding that stays for a while once it has been made twice: what is wrong with a rig is not seen in
+/// every image, and does not go away in between.
+class LastingFinding {
+ public:
+  /// @param seen  in this frame; none: this frame does not say
+  bool Update(std::optional<bool> seen);
+
+ private:
+  int num_left_ = 0;  ///< frames without it until it is over
+  bool seen_before_ = false;
 };
 
 /// Looks at every pair whether its two images can be what a pair of cameras sees. Cheap: of the images it
@@ -51,9 +70,14 @@ class PairMonitor {
   PairHealth Check(const StereoFrame& frame, const DisparityImage& disparity);
 
  private:
+  void CheckRows(const cv::Size& size, PairHealth* health);
+
   /// Of the frame before; 0: there was none.
   std::uint64_t left_fingerprint_ = 0, right_fingerprint_ = 0;
   int num_same_left_ = 0, num_same_right_ = 0;
+  std::optional<float> rows_before_px_;  ///< offset in the middle, of the last frame that said
+  LastingFinding different_, warped_, not_at_once_;
+  float disparity_error_px_ = 0.0f;  ///< of the last frame that said
 };
 
 }  // namespace terrace

@@ -51,7 +51,7 @@ namespace {
 constexpr int kPatchPixels = kPatchWidth * kPatchHeight;
 constexpr int kMinGradient = 2 * kPatchPixels;  // sum over a patch, in each direction
 constexpr int kMaxDifference = 16 * kPatchPixels;
-constexpr int kMaxRows = 15;
+constexpr int kMaxRows = 25;
 constexpr int kMaxDisparities = 256;
 
 bool HasTexture(const cv::Mat1b& image, int left, int top) {

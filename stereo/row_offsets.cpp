@@ -31,6 +31,8 @@ constexpr int kMinPlaces = 30;
 constexpr float kMaxSpread = 0.25f;  // px
 constexpr int kFitRounds = 5;
 constexpr int kFirstStride = 6;
+/// How far is looked first: what lies farther is rare, and looking for it costs three times as much.
+constexpr int kUsualRowOffset = 4;
 
 /// The right image with the mean and the spread of brightness that the left one has.
 cv::Mat1b AsBrightAs(const cv::Mat1b& left, const cv::Mat1b& right) {
@@ -196,6 +198,12 @@ RowOffsets Fit(const std::vector<Place>& places, float width_px, RowOffsets fit)
   return fit;
 }
 
+/// The largest offset in an image of that size, up or down.
+float Farthest(const RowOffsets& offsets, const cv::Size& size) {
+  return std::abs(offsets.centre_px) + 0.5f * (std::abs(offsets.per_column) * static_cast<float>(size.width) +
+                                               std::abs(offsets.per_row) * static_cast<float>(size.height));
+}
+
 /// The median offset: where a fit may start.
 RowOffsets Middle(std::vector<Place> places) {
   const auto middle = places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2);
@@ -219,15 +227,20 @@ RowOffsets RowOffsets::Scaled(float scale) const {
 RowOffsets MeasureRowOffsets(const cv::Mat1b& left, const cv::Mat1b& right, int num_disparities) {
   const cv::Mat1b matched = AsBrightAs(left, right);
   const auto width = static_cast<float>(left.cols);
-  // Few places, far up and down; then all of them where those say.
-  const std::vector<Place> first =
-      MeasurePlaces(left, matched, {num_disparities, kFirstStride, {}, kMaxRowOffset});
-  if (static_cast<int>(first.size()) < kMinPlaces / kFirstStride) return {};
-  const RowOffsets near = Fit(first, width, Middle(first));
-  const std::vector<Place> places = MeasurePlaces(left, matched, {num_disparities, 1, near, 0});
-  if (static_cast<int>(places.size()) < kMinPlaces) return {};
-  const RowOffsets offsets = Fit(places, width, near);
-  return offsets.spread_px <= kMaxSpread ? offsets : RowOffsets{};
+  for (const int margin : {kUsualRowOffset, kMaxRowOffset}) {
+    // Few places, far up and down; then all of them where those say.
+    const std::vector<Place> first =
+        MeasurePlaces(left, matched, {num_disparities, kFirstStride, {}, margin});
+    if (static_cast<int>(first.size()) < kMinPlaces / kFirstStride) continue;
+    const RowOffsets near = Fit(first, width, Middle(first));
+    const std::vector<Place> places = MeasurePlaces(left, matched, {num_disparities, 1, near, 0});
+    if (static_cast<int>(places.size()) < kMinPlaces) continue;
+    const RowOffsets offsets = Fit(places, width, near);
+    // What is not farther than the usual look reaches would have been found by it.
+    const bool farther = Farthest(offsets, left.size()) > kUsualRowOffset;
+    if (offsets.spread_px <= kMaxSpread && (margin == kUsualRowOffset || farther)) return offsets;
+  }
+  return {};
 }
 
 void StraightenRows(const cv::Mat1b& right, const RowOffsets& offsets, cv::Mat1b& straight) {

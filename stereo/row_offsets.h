@@ -24,7 +24,7 @@ struct RowOffsets {
 };
 
 /// How far up and down is looked, in pixels of the images given.
-constexpr int kMaxRowOffset = 4;
+constexpr int kMaxRowOffset = 12;
 
 /// Measures them from the images alone: places all over the left image are searched for in the right one,
 /// over the disparities given and kMaxRowOffset rows up and down, found exactly by Lucas-Kanade steps in both

@@ -68,6 +68,11 @@ TEST(PngTest, KeepsSixteenBitsWhenAskedAndScalesThemOtherwise) {
   EXPECT_EQ(ReadGray16Png(folder.path() / "labels.png").data, (std::vector<std::uint16_t>{7, 255}));
 }
 
+TEST(PngTest, NamesEightBitsThatStandInSixteen) {
+  const Gray16Image image{2, 2, {0, 17, 200, 255}};
+  EXPECT_THAT(ProblemOf(EncodePng(image)), HasSubstr("16 bits a pixel hold no more than 8 bits"));
+}
+
 TEST(PngTest, TurnsColourIntoLumaAndForgetsAlpha) {
   const std::vector<std::uint8_t> rgb = {255, 0, 0, 0, 255, 0, 0, 0, 255, 90, 90, 90};
   EXPECT_EQ(DecodeGrayImage(PngOf(4, 1, PNG_FORMAT_RGB, rgb.data()), "rgb").data,

@@ -223,6 +223,26 @@ TEST(LostTest, RecognisesThePlaceWhereItWasLost) {
   }
 }
 
+TEST(LostTest, FindsBackWhenThePlayerOfARecordingIsStartedAgain) {
+  VisualOdometry odometry({}, kCamera, WithImu());
+  std::mt19937 random(3);
+  PoseEstimate first, pose;
+  constexpr int kAgain = 60;
+  for (int i = 0; i < kAgain + 20; ++i) {
+    const int shown = i < kAgain ? i : i - kAgain;
+    StereoFrame frame = World().Frame(i, Walk(shown));
+    SensorSamples samples = WithNoise(ImuUpTo(shown), random);
+    for (ImuSample& sample : samples.imu) sample.t.ns += (i - shown) * kFrame_ns;
+    pose = odometry.Track(frame, samples);
+    if (i == 0) first = pose;
+    if (pose.trusted) {
+      EXPECT_LT(ErrorMm(first, pose, shown), 15.0) << "frame " << i;
+    }
+  }
+  EXPECT_TRUE(pose.trusted);
+  EXPECT_EQ(pose.epoch, 0) << "the place is known";
+}
+
 TEST(LostTest, BeginsAnotherWorldWhereNothingIsKnown) {
   for (const bool tell_it_blind : {false, true}) {
     VisualOdometry odometry({}, kCamera, {});

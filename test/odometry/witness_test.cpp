@@ -47,6 +47,16 @@ TEST(WitnessTest, ContradictsWhatIsFarBeyondItsSigmas) {
   EXPECT_NEAR(witness.disagreed_s(), kHeardEvery_s, 1e-9);
 }
 
+TEST(WitnessTest, BelievesInNoAgreementThatFollowsOnAContradictionUntilItHasLasted) {
+  Witness witness = ProvenWitness();
+  witness.Hear(ShiftBy(20 * kWitnessSigma), kWitnessCovariance, kHeardEvery_s);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_EQ(witness.Hear(Vector6d::Zero(), kWitnessCovariance, kHeardEvery_s), Verdict::kAgreesAgain) << i;
+  EXPECT_NEAR(witness.disagreed_s(), 5 * kHeardEvery_s, 1e-9);
+  EXPECT_EQ(witness.Hear(Vector6d::Zero(), kWitnessCovariance, kHeardEvery_s), Verdict::kAgrees);
+  EXPECT_EQ(witness.disagreed_s(), 0.0);
+}
+
 TEST(WitnessTest, FindsThatStepsLeadApartOfWhichEachIsPossible) {
   Witness witness = ProvenWitness();
   bool apart = false;

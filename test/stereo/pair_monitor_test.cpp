@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stereo/pair_monitor.h"
 
+#include <cmath>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -28,9 +29,9 @@ PairHealth CheckOnce(const StereoFrame& frame) {
 }
 
 /// An image of one brightness, with a little noise.
-cv::Mat1b Covered(double brightness) {
+cv::Mat1b Covered(double brightness, double sigma = 0.4) {
   std::mt19937 random(3);
-  std::normal_distribution<double> noise(0.0, 0.4);
+  std::normal_distribution<double> noise(0.0, sigma);
   cv::Mat1b image(kPairHeight, kPairWidth);
   for (std::uint8_t& pixel : image) pixel = cv::saturate_cast<std::uint8_t>(brightness + noise(random));
   return image;
@@ -84,6 +85,20 @@ TEST(PairMonitorTest, TellsABlankImageWhetherBlackWhiteOrCovered) {
   }
 }
 
+TEST(PairMonitorTest, TellsACoveredLensByItsNoise) {
+  StereoFrame frame = Healthy();
+  frame.right = Covered(4.0, 1.0);
+  EXPECT_TRUE(CheckOnce(frame).right_blank);
+  frame.right = Healthy().right * 0.15;
+  EXPECT_FALSE(CheckOnce(frame).right_blank) << "dim is not dark";
+}
+
+TEST(PairMonitorTest, NamesTheBrightnessOfWhatDoesNotMatch) {
+  StereoFrame frame = Healthy();
+  frame.right = Healthy(2).right * 2;
+  EXPECT_THAT(CheckOnce(frame).Reason(), HasSubstr("times as bright"));
+}
+
 TEST(PairMonitorTest, TellsAHalfBlankImage) {
   StereoFrame frame = Healthy();
   frame.right(cv::Rect(0, 0, kPairWidth / 2, kPairHeight)).setTo(255);
@@ -102,16 +117,61 @@ TEST(PairMonitorTest, TellsTwoImagesOfDifferentThings) {
   EXPECT_LT(health.known_share, 0.1);
 }
 
-TEST(PairMonitorTest, MeasuresRowsThatAreOffAndRolled) {
-  StereoFrame frame = Healthy();
-  // Straightening what is straight moves it by as much the other way.
-  StraightenRows(Healthy().right, {.centre_px = -3.2f, .per_column = 0.007f}, frame.right);
-  const PairHealth health = CheckOnce(frame);
-  EXPECT_NEAR(health.row_offsets.centre_px, 3.2, 0.1);
-  EXPECT_NEAR(health.row_offsets.per_column, -0.007, 0.001);  // 0.4 deg
+/// Straightening what is straight moves it by as much the other way.
+StereoFrame Misaligned(const RowOffsets& offsets, unsigned seed = 1) {
+  StereoFrame frame = Healthy(seed);
+  StraightenRows(Healthy(seed).right, {-offsets.centre_px, -offsets.per_column, -offsets.per_row},
+                 frame.right);
+  return frame;
+}
+
+TEST(PairMonitorTest, MeasuresRowsThatAreOff) {
+  const PairHealth health = CheckOnce(Misaligned({.centre_px = 3.2f}));
+  EXPECT_NEAR(health.row_offsets.centre_px, 3.2, 0.15);
   EXPECT_TRUE(health.rows_off);
   EXPECT_FALSE(health.stops_mapping());  // the matcher takes it out
   EXPECT_THAT(health.Reason(), HasSubstr("off by 3."));
+}
+
+TEST(PairMonitorTest, StopsMappingWhereARollOrAnotherSizeMakesDisparitiesWrong) {
+  for (const RowOffsets& offsets :
+       {RowOffsets{.per_column = 0.007f}, RowOffsets{.per_column = 0.026f}, RowOffsets{.per_row = 0.01f}}) {
+    const PairHealth health = CheckOnce(Misaligned(offsets));
+    EXPECT_TRUE(health.warped && health.stops_mapping()) << offsets.per_column << " " << offsets.per_row;
+    EXPECT_THAT(health.Reason(), HasSubstr("rolled or of another size"));
+    const float expected =
+        std::hypot(offsets.per_column * kPairHeight, offsets.per_row * kPairWidth) / std::sqrt(12.0f);
+    EXPECT_NEAR(health.disparity_error_px, expected, 0.2 * expected);
+  }
+}
+
+TEST(PairMonitorTest, TellsThatRowsComeAndGoWhenOneCameraIsLate) {
+  DisparityConfig config;
+  config.max_disparity_px = 64;
+  DisparityMatcher matcher(config);
+  PairMonitor monitor;
+  const auto check = [&](float rows_px, unsigned seed) {
+    const StereoFrame frame = Misaligned({.centre_px = rows_px}, seed);
+    return monitor.Check(frame, matcher.Match(frame));
+  };
+  EXPECT_FALSE(check(0.0f, 1).not_at_once);
+  EXPECT_TRUE(check(2.0f, 2).not_at_once);
+  EXPECT_TRUE(check(-1.5f, 3).not_at_once);
+  const PairHealth calm = check(-1.5f, 4);
+  EXPECT_TRUE(calm.not_at_once) << "twice was no chance";
+  EXPECT_THAT(calm.Reason(), HasSubstr("not of one moment"));
+}
+
+TEST(LastingFindingTest, LastsOnceItWasMadeTwiceAndEndsWhenItIsNotMadeForLong) {
+  LastingFinding once;
+  EXPECT_TRUE(once.Update(true));
+  EXPECT_FALSE(once.Update(false));
+  EXPECT_FALSE(once.Update(std::nullopt));
+  LastingFinding twice;
+  twice.Update(true), twice.Update(true);
+  for (int i = 0; i < 14; ++i) EXPECT_TRUE(twice.Update(false)) << i;
+  EXPECT_TRUE(twice.Update(std::nullopt)) << "a frame that does not say changes nothing";
+  EXPECT_FALSE(twice.Update(false));
 }
 
 TEST(PairMonitorTest, MeasuresBrightness) {

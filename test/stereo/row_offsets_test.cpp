@@ -50,6 +50,19 @@ TEST(RowOffsetsTest, MeasuresShiftRollAndStretch) {
   }
 }
 
+TEST(RowOffsetsTest, FindsWhatIsFartherOffThanACalibrationMay) {
+  for (const RowOffsets& true_offsets :
+       {RowOffsets{.centre_px = 9.0f}, RowOffsets{.centre_px = -6.0f, .per_column = 0.01f},
+        RowOffsets{.per_column = 0.026f}}) {
+    const StereoFrame frame = RenderMisaligned(320, 240, true_offsets);
+    const RowOffsets found = MeasureRowOffsets(frame.left, frame.right, 32);
+    EXPECT_GT(found.num_places, 50) << true_offsets.centre_px;
+    constexpr double kClose_px = 0.3;  // patches do not turn along
+    for (const float x : {-140.0f, 0.0f, 140.0f})
+      EXPECT_NEAR(found.At(x, 0), true_offsets.At(x, 0), kClose_px) << x;
+  }
+}
+
 TEST(RowOffsetsTest, MeasuresThemWhenTheRightImageIsHalfAsBright) {
   const StereoFrame frame =
       RenderMisaligned(320, 240, {.centre_px = 0.4f}, {.gain_right = 0.5, .offset_right = 5});

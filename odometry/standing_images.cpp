@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/standing_images.h"
+
+#include <utility>
+
+#include "stereo/image_fingerprint.h"
+
+namespace terrace {
+
+void StandingImages::See(const StereoFrame& frame) {
+  const std::uint64_t left = ImageFingerprint(frame.left), right = ImageFingerprint(frame.right);
+  left_ = std::exchange(left_fingerprint_, left) == left;
+  right_ = std::exchange(right_fingerprint_, right) == right;
+}
+
+}  // namespace terrace

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/standing_images.h"
+
+#include <gtest/gtest.h>
+
+#include "odometry/visual_odometry.h"
+#include "test/odometry/tiny_world.h"
+
+namespace terrace {
+namespace {
+
+using namespace test;
+
+TEST(StandingImagesTest, TellsOneCameraThatStandsFromBoth) {
+  StandingImages standing;
+  StereoFrame frame = World().Frame(0, Walk(0));
+  const StereoFrame next = World().Frame(1, Walk(1));
+  standing.See(frame);
+  EXPECT_FALSE(standing.left_alone() || standing.both());
+  standing.See(frame);
+  EXPECT_TRUE(standing.both());
+  frame.right = next.right;
+  standing.See(frame);
+  EXPECT_TRUE(standing.left_alone());
+  EXPECT_FALSE(standing.both());
+  standing.See(next);
+  EXPECT_FALSE(standing.left_alone() || standing.both()) << "the right one alone is the matcher's matter";
+}
+
+TEST(StandingImagesTest, BridgesByTheImuWhileCamerasThatWalkGiveTheSameImages) {
+  VisualOdometry odometry({}, kCamera, WithImu());
+  std::mt19937 random(3);
+  PoseEstimate first;
+  for (int i = 0; i < 40; ++i) {
+    const bool frozen = i >= 20 && i < 30;
+    StereoFrame frame = World().Frame(i, Walk(frozen ? 19 : i));
+    const PoseEstimate pose = odometry.Track(frame, WithNoise(ImuUpTo(i), random));
+    if (i == 0) first = pose;
+    EXPECT_EQ(pose.status, frozen ? TrackingStatus::kBridging : TrackingStatus::kTracking) << "frame " << i;
+    EXPECT_EQ(pose.reason.find("frozen") != std::string::npos, frozen)
+        << "frame " << i << ": " << pose.reason;
+    if (!frozen) {
+      EXPECT_LT(ErrorMm(first, pose, i), 20.0) << "frame " << i;
+    }
+  }
+}
+
+TEST(StandingImagesTest, TakesARecordingOfOnePairForACameraThatStands) {
+  VisualOdometry odometry({}, kCamera, {});
+  StereoFrame frame = World().Frame(0, Walk(0));
+  for (int i = 0; i < 40; ++i) {
+    frame.frame_id = i;
+    frame.t_capture = Timestamp{1'000'000'000 + i * kFrame_ns};
+    EXPECT_TRUE(odometry.Track(frame, {}).trusted) << "frame " << i;
+  }
+}
+
+}  // namespace
+}  // namespace terrace
