@@ -140,7 +140,7 @@ LabelScene OpenFlight(int num_treads, double depth_m, double floor_end_x) {
 std::vector<FoundStaircase> FindFromBelow(const LabelScene& scene) {
   Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
   sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
-  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().polygons), {}, sight, true);
+  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, sight, true);
 }
 
 TEST(StaircaseFinderTest, TellsAnOpenFlightByTwoTreadsWithTheFloorSeenBeneathThem) {
@@ -154,7 +154,7 @@ TEST(StaircaseFinderTest, TellsAnOpenFlightByTwoTreadsWithTheFloorSeenBeneathThe
 TEST(StaircaseFinderTest, TellsNoFlightWhoseRunIsNotKnown) {
   // Noise of 8 mm, seen from 0.35 m above a tread and 1.5 m away, moves its front by 35 mm.
   PolygonUpdate update = OpenFlight(2, 0.28, 5.0).Update();
-  for (PolygonPtr& polygon : update.polygons) {
+  for (PolygonPtr& polygon : update.changed) {
     auto noisy = std::make_shared<Polygon>(*polygon);
     noisy->noise_m = 0.008;
     polygon = noisy;
@@ -162,7 +162,7 @@ TEST(StaircaseFinderTest, TellsNoFlightWhoseRunIsNotKnown) {
   Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
   sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
   const StaircaseFinder finder{StaircaseConfig{}};
-  EXPECT_TRUE(finder.Find(ShapesOf(update.polygons), {}, sight, true).empty());
+  EXPECT_TRUE(finder.Find(ShapesOf(update.changed), {}, sight, true).empty());
 }
 
 TEST(StaircaseFinderTest, TellsNoFlightByTwoTopsWithoutTheFloorBeneathThem) {
