@@ -37,6 +37,7 @@ constexpr float kTight = 0.5F;
 constexpr float kDistance = 4.5F;
 /// The noise of a leaf is what it may be at worst; a plane is also tried at these shares of it.
 constexpr std::array<float, 3> kScales = {1.0F, 0.5F, 0.25F};
+constexpr std::array<float, 3> kLogScales = {0.0F, -0.693147F, -1.386294F};
 
 /// A small generator with the same numbers on every system (SplitMix64, Steele et al. 2014).
 class Random {
@@ -205,20 +206,25 @@ class CellFit {
   /// (`plane->scale`).
   float Explained(const std::vector<int>& indices, CellPlane* plane) const {
     std::array<float, kScales.size()> sums{};
-    const float floor = 1.0F / static_cast<float>(config_.inlier_distance_m);
+    const float per_tightest = 1.0F / static_cast<float>(config_.inlier_distance_m);
+    const float log_tightest = Log(cell_size_m_ * per_tightest);
     for (const int i : indices) {
       const Surfel& s = surfels_[i];
       const float facing = Facing(s, *plane);
       if (facing < kLeastFacing) continue;
       const float distance = plane->normal.dot(s.mean) - plane->offset;
-      const float per_allowed = 1.0F / Allowed(s, facing);  // three standard deviations
-      if (std::abs(distance) * per_allowed >= 1.0F) continue;
+      const float allowed = Allowed(s, facing);  // three standard deviations
+      if (std::abs(distance) >= allowed) continue;
+      const float per_allowed = 1.0F / allowed;
+      const float squared = kDistance * distance * distance;
+      const float loss = squared * per_allowed * per_allowed;
+      const float most_loss = squared * per_tightest * per_tightest;
+      const float log_allowed = Log(cell_size_m_ * per_allowed);
       const float area = s.size_m * s.size_m;
       for (std::size_t k = 0; k < kScales.size(); ++k) {
-        const float per_scale = std::min(per_allowed / kScales[k], floor);
-        const float share = distance * per_scale;
-        const float gain = kLoose + kTight * Log(cell_size_m_ * per_scale) - kDistance * share * share;
-        if (gain > 0.0F) sums[k] += area * gain;
+        const float tight = kTight * std::min(log_allowed - kLogScales[k], log_tightest);
+        const float loss_k = std::min(loss / (kScales[k] * kScales[k]), most_loss);
+        sums[k] += area * std::max(0.0F, kLoose + tight - loss_k);
       }
     }
     const auto best = std::max_element(sums.begin(), sums.end());
