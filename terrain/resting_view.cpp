@@ -16,10 +16,13 @@ constexpr double kRest_rad = 0.0025;
 constexpr int kFramesOfRest = 40;
 constexpr int kRepeatedCounts = 5;
 /// The disparity is compared at every fourth pixel. A tile of 16 pixels shows something else where more than
-/// half of its samples have changed; so must this many tiles, since some flicker.
+/// half of its samples have changed. Since some flicker, so must many tiles at once, or a few in several
+/// frames in a row.
 constexpr int kSpacing_px = 4;
 constexpr int kTileSamples = 4;
-constexpr int kChangedTiles = 3;
+constexpr int kManyTiles = 8;
+constexpr int kFewTiles = 3;
+constexpr int kFramesInARow = 3;
 constexpr float kSame_px = 1.0F;
 constexpr float kSameShare = 0.05F;
 
@@ -43,13 +46,12 @@ bool TileDiffers(const cv::Mat1f& before, const cv::Mat1f& now, int x0, int y0) 
   return 2 * num_changed > kTileSamples * kTileSamples;
 }
 
-bool ShowsSomethingElse(const cv::Mat1f& before, const cv::Mat1f& now) {
-  if (before.size() != now.size()) return true;
+int NumTilesThatDiffer(const cv::Mat1f& before, const cv::Mat1f& now) {
   int num_tiles = 0;
   for (int y = 0; y + kTileSamples <= now.rows; y += kTileSamples)
     for (int x = 0; x + kTileSamples <= now.cols; x += kTileSamples)
       num_tiles += TileDiffers(before, now, x, y);
-  return num_tiles >= kChangedTiles;
+  return num_tiles;
 }
 
 /// Of the same size.
@@ -66,10 +68,9 @@ bool HasMoved(const Eigen::Isometry3d& T_world_before, const Eigen::Isometry3d& 
 }  // namespace
 
 bool RestingView::ShowsNothingNew(const DisparityImage& disparity, const Eigen::Isometry3d& T_world_left) {
-  cv::Mat1f samples_px = SamplesOf(disparity.disparity_px);
-  if (!reference_ || HasMoved(reference_->T_world_left, T_world_left) ||
-      ShowsSomethingElse(reference_->samples_px, samples_px)) {
-    reference_ = Reference{T_world_left, samples_px, samples_px, 1};
+  const cv::Mat1f samples_px = SamplesOf(disparity.disparity_px);
+  if (!reference_ || HasMoved(reference_->T_world_left, T_world_left) || ShowsSomethingElse(samples_px)) {
+    reference_ = Reference{T_world_left, samples_px, samples_px};
     return false;
   }
   if (reference_->num_frames >= kFramesOfRest) return true;
@@ -77,6 +78,13 @@ bool RestingView::ShowsNothingNew(const DisparityImage& disparity, const Eigen::
   reference_->num_frames += repeated ? kRepeatedCounts : 1;
   reference_->last_samples_px = samples_px;
   return false;
+}
+
+bool RestingView::ShowsSomethingElse(const cv::Mat1f& samples_px) {
+  if (reference_->samples_px.size() != samples_px.size()) return true;
+  const int num_tiles = NumTilesThatDiffer(reference_->samples_px, samples_px);
+  reference_->num_odd = num_tiles >= kFewTiles ? reference_->num_odd + 1 : 0;
+  return num_tiles >= kManyTiles || reference_->num_odd >= kFramesInARow;
 }
 
 }  // namespace terrace

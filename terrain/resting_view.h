@@ -24,8 +24,12 @@ class RestingView {
     Eigen::Isometry3d T_world_left;
     cv::Mat1f samples_px;       // of its disparity, some pixels apart
     cv::Mat1f last_samples_px;  // of the last frame that was added
-    int num_frames = 0;         // that have shown the same since
+    int num_frames = 1;         // that have shown the same since, this one among them
+    int num_odd = 0;            // frames in a row in which a few tiles differ
   };
+
+  /// Than the reference, from the same place.
+  bool ShowsSomethingElse(const cv::Mat1f& samples_px);
 
   std::optional<Reference> reference_;
 };

@@ -15,19 +15,18 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using enum TerrainLabel;
 
 /// A corridor with a flight of six steps of 0.17 m and 0.28 m, the landing, and a box 0.4 m high: ids 1 to 3
 /// are floor and walls.
 LabelScene CorridorWithStairsAndBox() {
   LabelScene scene;
-  scene.AddLevel(kWalkway, {3, 0, 0}, 8, 2);
-  scene.AddFace(kWall, {-1, 1, 0}, {7, 1, 0}, 2.6);
-  scene.AddFace(kWall, {7, -1, 0}, {-1, -1, 0}, 2.6);
+  scene.AddLevel(TerrainLabel::kWalkway, {3, 0, 0}, 8, 2);
+  scene.AddFace(TerrainLabel::kWall, {-1, 1, 0}, {7, 1, 0}, 2.6);
+  scene.AddFace(TerrainLabel::kWall, {7, -1, 0}, {-1, -1, 0}, 2.6);
   KnownFlight flight;
   flight.foot = {7, 0, 0};
   scene.AddFlight(flight);
-  scene.AddLevel(kWalkway, {9.9, 0, 1.02}, 3, 2);
+  scene.AddLevel(TerrainLabel::kWalkway, {9.9, 0, 1.02}, 3, 2);
   scene.AddBox({4, 0.5, 0}, 0.6, 0.36, 0.4, 0.04);
   return scene;
 }
@@ -89,9 +88,9 @@ TEST(ExplanationTest, TellsTheNumbersThatALabelWasDecidedBy) {
 
 TEST(ExplanationTest, TellsWhereTheGroundGoesOnAndHowHighTheStepIs) {
   LabelScene scene;
-  scene.AddLevel(kWalkway, {1, 0, 0}, 4, 2);
-  scene.AddLevel(kWalkway, {5, 0, 0}, 4, 2);
-  scene.AddLevel(kWalkway, {9, 0, 0.15}, 4, 2);
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 2);
+  scene.AddLevel(TerrainLabel::kWalkway, {5, 0, 0}, 4, 2);
+  scene.AddLevel(TerrainLabel::kWalkway, {9, 0, 0.15}, 4, 2);
   TerrainLabeler labeler = MakeLabeler();
   LabelOften(labeler, scene.Update(), StandingAt(1, 0));
   const RegionExplanation middle = Explained(labeler, 2);
@@ -125,22 +124,22 @@ TEST(ExplanationTest, TellsWhichStepsOfAStaircaseWereSeenAndWhatTheyWouldBeWitho
 
 TEST(ExplanationTest, TellsOfALabelThatIsAboutToChange) {
   LabelScene scene;
-  scene.AddLevel(kWalkway, {1, 0, 0}, 4, 2);
-  scene.AddLevel(kWalkway, {5, 0, 0}, 4, 2);
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 2);
+  scene.AddLevel(TerrainLabel::kWalkway, {5, 0, 0}, 4, 2);
   TerrainLabeler labeler = MakeLabeler();
   LabelOften(labeler, scene.Update(), StandingAt(1, 0));
   // For a single frame the second region is a platform that the robot cannot step onto.
   LabelScene after;
-  after.AddLevel(kWalkway, {1, 0, 0}, 4, 2);
-  after.AddLevel(kWalkway, {5.6, 0, 0.6}, 4, 2);
+  after.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 2);
+  after.AddLevel(TerrainLabel::kWalkway, {5.6, 0, 0.6}, 4, 2);
   PolygonUpdate update = after.Update();
   update.added.clear();
   update.revised = {1, 2};
   labeler.Label(update, StandingAt(1, 0), TestGravity());
   const RegionExplanation e = Explained(labeler, 2);
-  EXPECT_EQ(e.label, kWalkway);
+  EXPECT_EQ(e.label, TerrainLabel::kWalkway);
   EXPECT_EQ(e.rule, LabelRule::kReachableGround);
-  EXPECT_EQ(e.next_label, kLevel);
+  EXPECT_EQ(e.next_label, TerrainLabel::kLevel);
   EXPECT_EQ(e.num_next, 1);
   EXPECT_THAT(e.text, HasSubstr("The last 1 frame found it to be level"));
 }

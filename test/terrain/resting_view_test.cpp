@@ -60,6 +60,16 @@ TEST_F(RestingViewTest, ABoxThatIsSetDownIsNewAtOnceAndSoIsItsAbsence) {
   EXPECT_EQ(NumNew(1, 0.0, false), 1);
 }
 
+TEST_F(RestingViewTest, AFewTilesThatFlickerAreNotNewButAreWhereTheyStayAsTheyAre) {
+  NumNew(50, 0.0);
+  DisparityImage image = Floor(&random_, false);
+  image.disparity_px(cv::Rect(96, 96, 64, 16)) = 60.0F;  // four tiles
+  EXPECT_TRUE(resting_.ShowsNothingNew(image, Eigen::Isometry3d::Identity()));
+  EXPECT_EQ(NumNew(1, 0.0), 0);
+  for (const bool nothing_new : {true, true, false})
+    EXPECT_EQ(resting_.ShowsNothingNew(image, Eigen::Isometry3d::Identity()), nothing_new);
+}
+
 TEST_F(RestingViewTest, AStepToTheSideIsNewAndSoIsASlowCreep) {
   NumNew(50, 0.0);
   EXPECT_EQ(NumNew(1, 0.01), 1);
