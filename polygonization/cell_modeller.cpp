@@ -285,7 +285,8 @@ class CellFit {
     patch.low = low;
     patch.high = high;
     patch.num_frames /= static_cast<double>(inliers.size());
-    patch.noise_m = static_cast<double>(plane.scale) * std::sqrt(noise2 / information);
+    patch.most_noise_m = std::sqrt(noise2 / information);
+    patch.noise_m = static_cast<double>(plane.scale) * patch.most_noise_m;
     return patch;
   }
 

@@ -49,6 +49,8 @@ struct Patch {
   Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();
   double num_frames = 0.0;  ///< mean over its leaves
   double noise_m = 0.0;     ///< of single points, along the normal; the best leaves count most
+  /// What that noise may be at worst: by how much a neighbouring patch of the same surface may stand off.
+  double most_noise_m = 0.0;
   std::vector<Footprint> footprints;
 };
 

@@ -88,7 +88,7 @@ std::optional<double> SurfaceGrower::Misfit(const Member& member, const Surface&
       std::min(kMaxExtraAngle_rad, 2.0 * (member.angle_sigma_rad + surface.angle_sigma_rad));
   if (angle > max_angle) return std::nullopt;
   const double offset = std::abs(plane.SignedDistance(member.mean_world));
-  const double max_offset = slack * (config_.max_offset_m + 2.0 * member.patch.noise_m);
+  const double max_offset = slack * (config_.max_offset_m + 2.0 * member.patch.most_noise_m);
   if (offset > max_offset) return std::nullopt;
   // The farthest end of the patch must not stand off either, where its own direction is known.
   const double reach = 0.5 * (member.high_world - member.low_world).norm();
