@@ -19,15 +19,33 @@ constexpr double kMaxExtraAngle_rad = 0.5;
 constexpr double kLeaveFactor = 1.5;
 /// A cell whose points were forgotten gets new patches when they show this share of the area known before.
 constexpr double kMuchOfTheArea = 0.8;
+/// By how much the points of a patch may stand off a plane because of their tilt alone, root mean square:
+/// what matching errs by over the width of a patch, and a share of the noise. Strict for patches that lean
+/// the same way as those around them, which chance does not make them do; and for surfaces to be joined.
+constexpr double kLeaning_m = 0.002, kLeaningNoise = 0.5;
+constexpr double kJoining_m = 0.006, kJoiningNoise = 1.0;
 
 double AngleBetween(const Plane& a, const Plane& b) {
   return std::acos(std::clamp(a.normal.dot(b.normal), -1.0, 1.0));
+}
+
+/// How a patch leans against a plane: the part of its normal that lies in the plane, about the angle in
+/// radians.
+Eigen::Vector3d Lean(const Member& member, const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d& own = member.patch.plane_world.normal;
+  return own - own.dot(normal) * normal;
+}
+
+/// Mean square by which points stand off a plane that they do not lie in the way of.
+double LeanSquared(const Eigen::Vector3d& lean, const Eigen::Matrix3d& spread) {
+  return lean.dot(spread * lean);
 }
 
 }  // namespace
 
 void SurfaceGrower::Grow(const PatchUpdate& update) {
   Replace(update);
+  EvictLeaning(update);
   for (int round = 0; round < kRounds && (round == 0 || !homeless_.empty()); ++round) {
     FindHomes();
     JoinSurfaces(update);
@@ -36,6 +54,7 @@ void SurfaceGrower::Grow(const PatchUpdate& update) {
   }
   for (const MemberRef& ref : homeless_) store_.Found(ref);
   homeless_.clear();
+  left_.clear();
   store_.RefitTouched();
 }
 
@@ -73,6 +92,42 @@ void SurfaceGrower::Replace(const PatchUpdate& update) {
         homeless_.push_back(ref);
     }
   }
+}
+
+/// The steps of a flight, as they are seen from afar, are one slanting plane. From nearby each patch of it is
+/// level, and a single one could err; that those around it lean the same way is no chance.
+void SurfaceGrower::EvictLeaning(const PatchUpdate& update) {
+  for (const PatchUpdate::CellPatches& cell : update.cells) {
+    const CellMembers* known = store_.Find(cell.key);
+    for (int i = 0; known && i < static_cast<int>(known->members.size()); ++i) {
+      const Member& member = known->members[static_cast<std::size_t>(i)];
+      if (member.surface != kNoSurface && LeansWithOthers(cell.key, member))
+        left_[{cell.key, i}] = member.surface;
+    }
+  }
+  for (const auto& [ref, id] : left_) {
+    store_.Leave(ref);
+    homeless_.push_back(ref);
+  }
+}
+
+bool SurfaceGrower::LeansWithOthers(const CellKey& key, const Member& member) const {
+  const Eigen::Vector3d normal = store_.surfaces().at(member.surface).plane_world.normal;
+  const Eigen::Matrix3d spread = member.patch.moments.Covariance();
+  const double limit_m = kLeaning_m + kLeaningNoise * member.patch.most_noise_m;
+  const Eigen::Vector3d lean = Lean(member, normal);
+  if (LeanSquared(lean, spread) < limit_m * limit_m) return false;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double area_m2 = 0.0;
+  store_.ForEachAround(key, [&](const CellKey&, const CellMembers& around) {
+    for (const Member& other : around.members) {
+      if (other.surface != member.surface) continue;
+      sum += other.patch.area_m2 * Lean(other, normal);
+      area_m2 += other.patch.area_m2;
+    }
+  });
+  const Eigen::Vector3d mean = sum / area_m2;
+  return mean.dot(lean) > 0.0 && LeanSquared(mean, spread) >= limit_m * limit_m;
 }
 
 bool SurfaceGrower::TooLarge(const Eigen::AlignedBox3d& box_world) const {
@@ -127,8 +182,10 @@ void SurfaceGrower::FindHomes() {
     const Eigen::AlignedBox3d box(store_.At(ref).low_world, store_.At(ref).high_world);
     SurfaceId home = kNoSurface;
     double best = std::numeric_limits<double>::infinity();
+    const auto left = left_.find(ref);
     ForEachNeighbour(ref, [&](const Member& neighbour) {
       if (neighbour.surface == kNoSurface || neighbour.surface == home) return;
+      if (left != left_.end() && left->second == neighbour.surface) return;
       const Surface& candidate = store_.surfaces().at(neighbour.surface);
       if (TooLarge(candidate.box_world.merged(box))) return;
       const std::optional<double> misfit = Misfit(store_.At(ref), candidate, 1.0);
@@ -194,6 +251,11 @@ bool SurfaceGrower::OnePlane(const Surface& a, const Surface& b) const {
   PlaneMoments shifted;
   shifted.Add(small.moments, shift);
   const auto explains = [&](const PlaneMoments& moments, double noise_m) {
+    const Plane own = moments.Fit(plane.normal);
+    const double joining_m = kJoining_m + kJoiningNoise * noise_m;
+    const Eigen::Matrix3d spread = moments.Covariance();
+    if (plane.normal.dot(spread * plane.normal) - own.normal.dot(spread * own.normal) > joining_m * joining_m)
+      return false;
     const double limit = 0.7 * config_.max_offset_m + 1.5 * noise_m;
     return moments.MeanSquaredDistance(plane) < limit * limit;
   };

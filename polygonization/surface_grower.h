@@ -24,6 +24,9 @@ class SurfaceGrower {
   void Replace(const PatchUpdate& update);
   /// Whether new patches of a cell show as much as is known of it from before its points were forgotten.
   bool KnowsAsMuch(const PatchUpdate::CellPatches& cell) const;
+  void EvictLeaning(const PatchUpdate& update);
+  /// Whether a patch, and those of its surface around it, lean against the plane of the surface the same way.
+  bool LeansWithOthers(const CellKey& key, const Member& member) const;
   void FindHomes();
   void JoinSurfaces(const PatchUpdate& update);
   void EvictMisfits();
@@ -40,6 +43,7 @@ class SurfaceGrower {
   SurfaceStore& store_;
   // Of the update at hand.
   std::vector<MemberRef> homeless_;
+  std::map<MemberRef, SurfaceId> left_;  // where a patch does not come back to
   std::map<SurfaceId, SurfaceId> absorbed_by_;
 };
 

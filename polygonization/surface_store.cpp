@@ -154,6 +154,14 @@ void SurfaceStore::Join(const MemberRef& ref, SurfaceId id) {
   touched_.insert(id);
 }
 
+void SurfaceStore::Leave(const MemberRef& ref) {
+  const CellMembers& cell = cells_.at(ref.cell);
+  const SurfaceId id = std::exchange(At(ref).surface, kNoSurface);
+  touched_.insert(id);
+  const auto is_here = [&](const Member& member) { return member.surface == id; };
+  if (std::none_of(cell.members.begin(), cell.members.end(), is_here)) surfaces_.at(id).cells.erase(ref.cell);
+}
+
 void SurfaceStore::Found(const MemberRef& ref) {
   const Member& member = At(ref);
   const SurfaceId id = next_surface_++;

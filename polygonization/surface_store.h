@@ -137,6 +137,8 @@ class SurfaceStore {
   /// A patch comes into its cell, without a surface yet.
   MemberRef Add(const CellKey& key, const Eigen::Vector3d& centre_world, const Patch& patch);
   void Join(const MemberRef& ref, SurfaceId id);
+  /// A member is without a surface from now on.
+  void Leave(const MemberRef& ref);
   /// A surface of its own for a member.
   void Found(const MemberRef& ref);
   /// Members and polygons of one surface go over to another.
