@@ -15,17 +15,17 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr double kCell_m = 0.32;
+constexpr double kRowCell_m = 0.32;
 
 class SurfaceWindowTest : public ::testing::Test {
  protected:
   /// A surface of one row of cells along x with one polygon of the same number; its first cell begins at x.
   void AddRow(double x_m, int num_cells, int height_cells = 0) {
-    const int first = static_cast<int>(std::lround(x_m / kCell_m));
+    const int first = static_cast<int>(std::lround(x_m / kRowCell_m));
     SurfaceId id = kNoSurface;
     for (int i = 0; i < num_cells; ++i) {
       const CellKey key{first + i, 0, height_cells};
-      const Eigen::Vector3d centre = kCell_m * (Eigen::Vector3d(key.x, key.y, key.z).array() + 0.5);
+      const Eigen::Vector3d centre = kRowCell_m * (Eigen::Vector3d(key.x, key.y, key.z).array() + 0.5);
       Patch patch;
       patch.plane_world = {Eigen::Vector3d::UnitZ(), centre.z()};
       for (const double u : {-0.15, 0.15})
