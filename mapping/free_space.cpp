@@ -48,7 +48,7 @@ bool FreeSpace::HasItsTurn(const CellKey& key) const {
   return ((key.x + key.y + key.z + frame_id_) & (kTurns - 1)) == 0;
 }
 
-void FreeSpace::CheckLeaves(LeafTree::Node* node, const LeafIndex& corner, Cell* cell, LeafTree* tree) const {
+void FreeSpace::CheckLeaves(const LeafIndex& corner, Cell* cell, LeafTree* tree) const {
   const Eigen::Vector3f corner_left =
       CentreInLeft(corner, config_.leaves_per_cell).cast<float>() -
       R_left_leaves_ * Eigen::Vector3f::Constant(0.5F * static_cast<float>(config_.leaves_per_cell));
@@ -56,7 +56,7 @@ void FreeSpace::CheckLeaves(LeafTree::Node* node, const LeafIndex& corner, Cell*
     Evidence& leaf = tree->leaves().evidence(index);
     const Eigen::Vector3i in_cell(leaf.corner[0], leaf.corner[1], leaf.corner[2]);
     if (!CheckLeaf(in_cell, corner_left, &leaf, cell)) return false;
-    tree->RemoveLeaf(node, corner + in_cell, leaf.level);
+    tree->leaves().GiveBack(index);
     return true;
   };
   std::erase_if(cell->leaves, is_cleared);

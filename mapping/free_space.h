@@ -26,11 +26,11 @@ class FreeSpace {
   void Check(LeafTree* tree, const Use& use) {
     tree->ForEachCell(
         camera_leaf_, [this](const LeafIndex& corner, int size) { return MayBeInView(corner, size); },
-        [&](LeafTree::Node* node, int slot, const LeafIndex& corner) {
+        [&](int slot, const LeafIndex& corner) {
           Cell& cell = tree->cell(slot);
           if (!HasItsTurn(cell.key)) return;
           const int before = cell.num_changed_leaves;
-          CheckLeaves(node, corner, &cell, tree);
+          CheckLeaves(corner, &cell, tree);
           if (cell.num_changed_leaves != before) use(&cell);
         });
   }
@@ -40,7 +40,7 @@ class FreeSpace {
   bool MayBeInView(const LeafIndex& corner, int size) const;
   /// Cells take turns, so that a frame checks one in so many.
   bool HasItsTurn(const CellKey& key) const;
-  void CheckLeaves(LeafTree::Node* node, const LeafIndex& corner, Cell* cell, LeafTree* tree) const;
+  void CheckLeaves(const LeafIndex& corner, Cell* cell, LeafTree* tree) const;
   bool CheckLeaf(const Eigen::Vector3i& in_cell, const Eigen::Vector3f& corner_left, Evidence* leaf,
                  Cell* cell) const;
   bool IsOccupied(const Evidence& leaf) const;

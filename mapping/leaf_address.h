@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <bit>
 #include <compare>
 #include <cstdint>
 
@@ -22,6 +23,12 @@ inline std::uint16_t KeyOf(int index) { return static_cast<std::uint16_t>(index 
 /// The index with this key that lies nearest to `near`.
 inline int IndexOf(std::uint16_t key, int near) {
   return near + static_cast<std::int16_t>(static_cast<std::uint16_t>(key - KeyOf(near)));
+}
+
+/// Level of the coarsest leaves: at least four lie along the edge of a cell.
+/// @param leaves_per_cell  a power of two
+constexpr int CoarsestLevel(int leaves_per_cell) {
+  return std::countr_zero(static_cast<unsigned>(leaves_per_cell)) - 2;
 }
 
 /// Level and lowest corner of a leaf of the octree, OctoMap's keys, in one number.

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -41,30 +43,59 @@ struct Evidence {
 };
 static_assert(sizeof(Evidence) == 32);
 
+/// A row of items that grows by pieces: what is in it stays where it is, and no room is kept for twice as
+/// many.
+template <typename T>
+class Chunks {
+ public:
+  void Grow() {
+    if (size_ == chunks_.size() * kChunk) chunks_.push_back(std::make_unique<std::array<T, kChunk>>());
+    ++size_;
+  }
+  std::size_t size() const { return size_; }
+  T& operator[](int index) { return (*chunks_[Chunk(index)])[InChunk(index)]; }
+  const T& operator[](int index) const { return (*chunks_[Chunk(index)])[InChunk(index)]; }
+  std::int64_t memory_bytes() const {
+    return static_cast<std::int64_t>(chunks_.size() * kChunk * sizeof(T) +
+                                     chunks_.capacity() * sizeof(chunks_.front()));
+  }
+
+ private:
+  static constexpr std::size_t kChunk = 1024;
+  static std::size_t Chunk(int index) { return static_cast<std::size_t>(index) / kChunk; }
+  static std::size_t InChunk(int index) { return static_cast<std::size_t>(index) % kChunk; }
+
+  std::vector<std::unique_ptr<std::array<T, kChunk>>> chunks_;
+  std::size_t size_ = 0;
+};
+
 /// Slots that are used again, addressed by index.
 template <typename T>
 class Pool {
  public:
+  /// An item as it is by default.
   int Take() {
     if (!free_.empty()) {
       const int index = free_.back();
       free_.pop_back();
-      items_[index] = T{};
       return index;
     }
-    items_.emplace_back();
+    items_.Grow();
     return static_cast<int>(items_.size()) - 1;
   }
-  void GiveBack(int index) { free_.push_back(index); }
+  void GiveBack(int index) {
+    items_[index] = T{};
+    free_.push_back(index);
+  }
   T& operator[](int index) { return items_[index]; }
   const T& operator[](int index) const { return items_[index]; }
   std::int64_t num_used() const { return static_cast<std::int64_t>(items_.size() - free_.size()); }
   std::int64_t memory_bytes() const {
-    return static_cast<std::int64_t>(items_.capacity() * sizeof(T) + free_.capacity() * sizeof(int));
+    return items_.memory_bytes() + static_cast<std::int64_t>(free_.capacity() * sizeof(int));
   }
 
  private:
-  std::vector<T> items_;
+  Chunks<T> items_;
   std::vector<int> free_;
 };
 
@@ -73,7 +104,7 @@ class LeafPool {
  public:
   int Take() {
     const int index = leaves_.Take();
-    if (static_cast<std::size_t>(index) == evidence_.size()) evidence_.emplace_back();
+    if (static_cast<std::size_t>(index) == evidence_.size()) evidence_.Grow();
     evidence_[index] = {};
     return index;
   }
@@ -91,13 +122,11 @@ class LeafPool {
     __builtin_prefetch(&evidence_[index]);
   }
   std::int64_t num_used() const { return leaves_.num_used(); }
-  std::int64_t memory_bytes() const {
-    return leaves_.memory_bytes() + static_cast<std::int64_t>(evidence_.capacity() * sizeof(Evidence));
-  }
+  std::int64_t memory_bytes() const { return leaves_.memory_bytes() + evidence_.memory_bytes(); }
 
  private:
   Pool<Leaf> leaves_;
-  std::vector<Evidence> evidence_;
+  Chunks<Evidence> evidence_;
 };
 
 }  // namespace terrace

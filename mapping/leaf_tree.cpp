@@ -10,22 +10,36 @@
 namespace terrace {
 namespace {
 
-/// Where a leaf of a cell comes when the octree is walked: eighth by eighth, coarse ones before what they
-/// hold.
-int Rank(const Evidence& leaf) {
-  int rank = 0;
-  for (int bit = 5; bit >= 0; --bit)
-    for (int axis = 2; axis >= 0; --axis) rank = 2 * rank + (leaf.corner[axis] >> bit & 1);
-  return 8 * rank + 7 - leaf.level;
+using Corner8 = std::array<std::uint8_t, 3>;  // of a leaf, from the lowest one of its cell
+
+constexpr int kOrders = 8;  // of leaves that begin at one corner
+
+/// Two bits of nothing between the six of a number.
+unsigned Spread(unsigned bits) {
+  bits = (bits | bits << 8U) & 0x300FU;
+  bits = (bits | bits << 4U) & 0x30C3U;
+  return (bits | bits << 2U) & 0x9249U;
 }
 
-std::array<std::uint8_t, 3> CornerInCell(const LeafAddress& address, int leaves_per_cell) {
+/// Where a leaf of a cell comes when the octree is walked: eighth by eighth, coarse ones before what they
+/// hold.
+int Rank(const Corner8& corner, int level) {
+  const unsigned order = Spread(corner[0]) | Spread(corner[1]) << 1U | Spread(corner[2]) << 2U;
+  return kOrders * static_cast<int>(order) + kOrders - 1 - level;
+}
+
+/// The first leaf of a cell that does not come before a rank.
+std::vector<int>::iterator FirstFrom(int rank, const LeafPool& leaves, std::vector<int>* in_cell) {
+  return std::lower_bound(in_cell->begin(), in_cell->end(), rank, [&](int other, int wanted) {
+    return Rank(leaves.evidence(other).corner, leaves.evidence(other).level) < wanted;
+  });
+}
+
+Corner8 CornerInCell(const LeafAddress& address, int leaves_per_cell) {
   const int in_cell = leaves_per_cell - 1;
   return {static_cast<std::uint8_t>(address.x() & in_cell), static_cast<std::uint8_t>(address.y() & in_cell),
           static_cast<std::uint8_t>(address.z() & in_cell)};
 }
-
-octomap::OcTreeKey KeyAt(const LeafAddress& address) { return {address.x(), address.y(), address.z()}; }
 
 }  // namespace
 
@@ -71,8 +85,7 @@ LeafTree::LeafTree(const MappingConfig& config)
 }
 
 std::int64_t LeafTree::memory_bytes() const {
-  const auto lists = leaves_.num_used() * static_cast<std::int64_t>(sizeof(int));  // Cell::leaves
-  return tree_.memory_bytes() + leaves_.memory_bytes() + cells_.memory_bytes() + lists;
+  return tree_.memory_bytes() + leaves_.memory_bytes() + cells_.memory_bytes() + list_bytes_;
 }
 
 unsigned LeafTree::ChildIndex(const octomap::OcTreeKey& key, unsigned child_depth) {
@@ -111,8 +124,8 @@ int LeafTree::FindCell(const CellKey& key) const {
   return cells_[node->getValue()].key == key ? node->getValue() : kNothing;
 }
 
-LeafTree::Node* LeafTree::CellNodeOf(const CellKey& key) {
-  if (last_cell_node_ != nullptr && last_cell_key_ == key) return last_cell_node_;
+int LeafTree::CellAt(const CellKey& key) {
+  if (last_cell_ != kNothing && last_cell_key_ == key) return last_cell_;
   const octomap::OcTreeKey octree_key = KeyAt(CornerOf(key));
   Node* node = tree_.MakeRoot();
   for (unsigned depth = 1; depth <= cell_depth_; ++depth)
@@ -123,8 +136,8 @@ LeafTree::Node* LeafTree::CellNodeOf(const CellKey& key) {
   }
   TERRACE_CHECK(cells_[node->getValue()].key == key, "the octree holds places too far apart");
   last_cell_key_ = key;
-  last_cell_node_ = node;
-  return node;
+  last_cell_ = node->getValue();
+  return last_cell_;
 }
 
 bool LeafTree::IsStill(const FrameLeaf& seen, const CellKey& cell) const {
@@ -138,71 +151,69 @@ bool LeafTree::IsStill(const FrameLeaf& seen, const CellKey& cell) const {
 LeafPlace LeafTree::FindOrMake(const FrameLeaf& seen, const CellKey& cell, FrameId frame_id) {
   coarser_.clear();
   if (IsStill(seen, cell)) return seen.place;
-  const LeafAddress& address = seen.address;
-  const octomap::OcTreeKey key = terrace::KeyAt(address);
-  Node* node = CellNodeOf(cell);
-  LeafPlace place{kNothing, node->getValue()};
-  const unsigned depth = kDepth - static_cast<unsigned>(address.level());
-  for (unsigned child_depth = cell_depth_ + 1; child_depth <= depth; ++child_depth) {
-    node = tree_.GetOrMakeChild(node, ChildIndex(key, child_depth));
-    if (child_depth == depth || node->getValue() == kNothing) continue;
-    coarser_.push_back(node);
-    leaves_.evidence(node->getValue()).hit_frame = frame_id;
+  LeafPlace place{kNothing, CellAt(cell)};
+  std::vector<int>& in_cell = cells_[place.cell].leaves;
+  const Corner8 corner = CornerInCell(seen.address, leaves_per_cell_);
+  const int level = seen.address.level();
+  for (int above = level + 1; above <= CoarsestLevel(leaves_per_cell_); ++above) {
+    Corner8 its_corner = corner;
+    for (std::uint8_t& c : its_corner) c = static_cast<std::uint8_t>(c >> above << above);
+    const int rank = Rank(its_corner, above);
+    const auto at = FirstFrom(rank, leaves_, &in_cell);
+    if (at == in_cell.end()) continue;
+    Evidence& coarse = leaves_.evidence(*at);
+    if (Rank(coarse.corner, coarse.level) != rank) continue;
+    coarser_.push_back(*at);
+    coarse.hit_frame = frame_id;
   }
-  if (node->getValue() == kNothing) {
-    if (tree_.nodeHasChildren(node)) return place;
-    node->setValue(leaves_.Take());
-    Evidence& evidence = leaves_.evidence(node->getValue());
-    evidence.corner = CornerInCell(address, leaves_per_cell_);
-    evidence.level = static_cast<std::uint8_t>(address.level());
+  const int rank = Rank(corner, level);
+  const auto at = FirstFrom(rank, leaves_, &in_cell);
+  if (at != in_cell.end()) {
+    const Evidence& next = leaves_.evidence(*at);
+    const int next_rank = Rank(next.corner, next.level);
+    if (next_rank == rank) place.leaf = *at;
+    // What lies in the leaf follows it at once: the place is known more finely.
+    if (next_rank > rank && next_rank / kOrders < rank / kOrders + (1 << 3 * level)) return place;
+  }
+  if (place.leaf == kNothing) {
+    place.leaf = leaves_.Take();
+    Evidence& evidence = leaves_.evidence(place.leaf);
+    evidence.corner = corner;
+    evidence.level = static_cast<std::uint8_t>(level);
     evidence.cell = place.cell;
-    std::vector<int>& in_cell = cells_[place.cell].leaves;
-    const auto at =
-        std::lower_bound(in_cell.begin(), in_cell.end(), Rank(evidence),
-                         [&](int other, int rank) { return Rank(leaves_.evidence(other)) < rank; });
-    in_cell.insert(at, node->getValue());
+    const std::size_t capacity = in_cell.capacity();
+    in_cell.insert(at, place.leaf);
+    list_bytes_ += static_cast<std::int64_t>((in_cell.capacity() - capacity) * sizeof(int));
   }
-  place.leaf = node->getValue();
   leaves_.evidence(place.leaf).alone = coarser_.empty();
   return place;
 }
 
 void LeafTree::DropCoarser(Cell* cell) {
-  for (Node* coarse : coarser_) {
-    std::erase(cell->leaves, coarse->getValue());
-    leaves_.GiveBack(coarse->getValue());
-    coarse->setValue(kNothing);
+  for (const int coarse : coarser_) {
+    std::erase(cell->leaves, coarse);
+    leaves_.GiveBack(coarse);
     ++cell->num_changed_leaves;
   }
   coarser_.clear();
 }
 
-void LeafTree::RemoveLeaf(Node* cell_node, const LeafIndex& corner, int level) {
-  const octomap::OcTreeKey key = KeyAt(corner);
-  const unsigned depth = kDepth - static_cast<unsigned>(level);
-  std::array<Node*, kDepth + 1> path{};
-  path[cell_depth_] = cell_node;
-  for (unsigned d = cell_depth_; d < depth; ++d)
-    path[d + 1] = tree_.getNodeChild(path[d], ChildIndex(key, d + 1));
-  leaves_.GiveBack(path[depth]->getValue());
-  path[depth]->setValue(kNothing);
-  for (unsigned d = depth; d > cell_depth_; --d) {
-    if (path[d]->getValue() != kNothing || path[d]->HasArrayOfChildren()) return;
-    tree_.DeleteChild(path[d - 1], ChildIndex(key, d));
-  }
+void LeafTree::GiveBackCell(int slot) {
+  list_bytes_ -= static_cast<std::int64_t>(cells_[slot].leaves.capacity() * sizeof(int));
+  cells_.GiveBack(slot);
+  last_cell_ = kNothing;
 }
 
 void LeafTree::RemoveCell(const CellKey& key) {
   const octomap::OcTreeKey octree_key = KeyAt(CornerOf(key));
   Node* node = tree_.search(octree_key, cell_depth_);
   TERRACE_CHECK(node != nullptr && cells_[node->getValue()].leaves.empty());
-  cells_.GiveBack(node->getValue());
+  GiveBackCell(node->getValue());
   node->setValue(kNothing);
   DeleteEmptyPath(octree_key, cell_depth_);
 }
 
 void LeafTree::DeleteEmptyPath(const octomap::OcTreeKey& key, unsigned depth) {
-  last_cell_node_ = nullptr;
   std::array<Node*, kDepth + 1> path{};
   path[0] = tree_.getRoot();
   for (unsigned d = 0; d < depth; ++d) path[d + 1] = tree_.getNodeChild(path[d], ChildIndex(key, d + 1));
@@ -255,7 +266,7 @@ void LeafTree::DeleteBelow(Node* node, unsigned depth, std::vector<CellKey>* for
     Cell& gone = cells_[node->getValue()];
     forgotten->push_back(gone.key);
     for (const int leaf : gone.leaves) leaves_.GiveBack(leaf);
-    cells_.GiveBack(node->getValue());
+    GiveBackCell(node->getValue());
   }
   node->setValue(kNothing);
   for (unsigned child = 0; child < 8; ++child) {

@@ -28,16 +28,16 @@ struct Cell {
   FrameId touched_frame = -1;
 };
 
-/// The octree on OctoMap, with cells at one depth and the leaves of the map below. Leaves and cells are kept
-/// in pools and addressed by their slots, which are used again when what they held has gone.
+/// The octree on OctoMap down to the cells; below, a cell lists its leaves in the order in which the octree
+/// would be walked, which takes a tenth of the memory of nodes. Leaves and cells are kept in pools and
+/// addressed by their slots, which are used again when what they held has gone.
 ///
 /// What always holds: a leaf is listed in its cell in the order of the octree; a node without value and
 /// children does not exist; no two places of the tree are more than 65,536 leaves apart (ForgetBeyond sees to
 /// it).
 class LeafTree {
  public:
-  /// The value of a node is a slot: of a Cell at the depth of cells, of a leaf below, kNothing above and
-  /// where there are only finer leaves.
+  /// The value of a node is the slot of a Cell at the depth of cells, kNothing above.
   class Node : public octomap::OcTreeDataNode<int> {
    public:
     Node() : octomap::OcTreeDataNode<int>(kNothing) {}
@@ -69,15 +69,12 @@ class LeafTree {
   /// Takes the coarser leaves out that the last FindOrMake came by.
   void DropCoarser(Cell* cell);
 
-  /// Calls `use(node, slot, corner)` for each cell below nodes for which `inside(corner, size)` holds; corner
+  /// Calls `use(slot, corner)` for each cell below nodes for which `inside(corner, size)` holds; corner
   /// is the lowest one, nearest to `near`; both in finest leaves.
   template <typename Inside, typename Use>
   void ForEachCell(const LeafIndex& near, const Inside& inside, const Use& use) {
     if (tree_.getRoot() != nullptr) Visit(tree_.getRoot(), 0, Corner::Zero(), near, inside, use);
   }
-  /// Takes a leaf out of the tree, whose cell no longer lists it, and the nodes above it that hold nothing
-  /// any more, up to the cell's.
-  void RemoveLeaf(Node* cell_node, const LeafIndex& corner, int level);
   /// Gives the slot of a cell without leaves back.
   void RemoveCell(const CellKey& key);
   /// Forgets blocks of cells that lie farther away than this in plan and height, at most `max_blocks` of
@@ -114,7 +111,9 @@ class LeafTree {
   static Corner CornerOfChild(const Corner& corner, unsigned child_depth, unsigned child);
   static LeafIndex IndexNear(const Corner& corner, int size, const LeafIndex& near);
 
-  Node* CellNodeOf(const CellKey& key);
+  /// Slot of a cell, which is made when there is none.
+  int CellAt(const CellKey& key);
+  void GiveBackCell(int slot);
   /// Whether a leaf is where an earlier frame found it, and without coarser ones above it.
   bool IsStill(const FrameLeaf& seen, const CellKey& cell) const;
   void DeleteBelow(Node* node, unsigned depth, std::vector<CellKey>* forgotten);
@@ -126,7 +125,7 @@ class LeafTree {
              const Use& use) {
     if (depth > 0 && !inside(IndexNear(corner, 1 << (kDepth - depth), near), 1 << (kDepth - depth))) return;
     if (depth == cell_depth_) {
-      use(node, node->getValue(), IndexNear(corner, 1 << (kDepth - depth), near));
+      use(node->getValue(), IndexNear(corner, 1 << (kDepth - depth), near));
       return;
     }
     for (unsigned child = 0; child < 8; ++child)
@@ -141,9 +140,10 @@ class LeafTree {
   Tree tree_;
   LeafPool leaves_;
   Pool<Cell> cells_;
-  std::vector<Node*> coarser_;  // above the leaf that was found last
+  std::vector<int> coarser_;  // leaves that hold the one that was found last
   CellKey last_cell_key_;
-  Node* last_cell_node_ = nullptr;
+  int last_cell_ = kNothing;
+  std::int64_t list_bytes_ = 0;  // of the cells' lists of leaves
 };
 
 }  // namespace terrace

@@ -28,6 +28,8 @@ std::vector<std::string> MappingConfig::Problems() const {
   if (!(free_margin_px > 0.0)) problems.push_back("free_margin_px must be above 0");
   if (free_frames < 1) problems.push_back("free_frames must be at least 1");
   if (!(window_m >= 1.0)) problems.push_back("window_m must be at least 1");
+  if (!(keep_beyond_m == 0.0 || keep_beyond_m >= window_m))
+    problems.push_back("keep_beyond_m must be 0 or at least window_m");
   if (leaf_size_m > 0.0 && window_m > kMaxReachLeaves * leaf_size_m) {
     problems.push_back(Printed("window_m must not be above %g, which is how far %d leaves reach",
                                kMaxReachLeaves * leaf_size_m, kMaxReachLeaves));

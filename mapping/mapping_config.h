@@ -35,6 +35,8 @@ struct MappingConfig {
   /// Within this distance of the camera the map keeps its evidence, from which it can still change; beyond,
   /// the regions stay as they are.
   double window_m = 12.0;
+  /// Regions farther from the camera than this are forgotten for good; 0: none ever is.
+  double keep_beyond_m = 0.0;
 
   double cell_size_m() const { return leaf_size_m * leaves_per_cell; }
   /// One sentence per problem; empty when the settings can be used.

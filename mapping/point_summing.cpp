@@ -2,7 +2,6 @@
 #include "mapping/point_summing.h"
 
 #include <array>
-#include <bit>
 #include <cmath>
 
 #include "core/check.h"
@@ -28,8 +27,7 @@ struct PlacedPoint {
 class LeafLevels {
  public:
   LeafLevels(const MappingConfig& config, const StereoCamera& camera)
-      // At least four leaves along the edge of a cell.
-      : coarsest_(std::countr_zero(static_cast<unsigned>(config.leaves_per_cell)) - 2) {
+      : coarsest_(CoarsestLevel(config.leaves_per_cell)) {
     for (int level = 0; level < coarsest_; ++level)
       max_z_[static_cast<std::size_t>(level)] =
           static_cast<float>(config.leaf_size_m * (1 << level) * camera.fx / config.min_leaf_px);

@@ -88,17 +88,15 @@ class TerrainOctree::Impl {
     const auto reaches_in = [&](const LeafIndex& corner, int size) {
       return (corner.array() <= highest.array()).all() && (corner.array() + size > lowest.array()).all();
     };
-    tree_.ForEachCell((lowest + highest) / 2, reaches_in,
-                      [&](const LeafTree::Node*, int slot, const LeafIndex& cell_corner) {
-                        for (const int index : tree_.cell(slot).leaves) {
-                          const Evidence& evidence = tree_.leaves().evidence(index);
-                          const LeafIndex corner =
-                              cell_corner +
-                              LeafIndex(evidence.corner[0], evidence.corner[1], evidence.corner[2]);
-                          if (evidence.occupied && reaches_in(corner, 1 << evidence.level))
-                            found.push_back({corner, evidence.level, std::max(1, evidence.credit)});
-                        }
-                      });
+    tree_.ForEachCell((lowest + highest) / 2, reaches_in, [&](int slot, const LeafIndex& cell_corner) {
+      for (const int index : tree_.cell(slot).leaves) {
+        const Evidence& evidence = tree_.leaves().evidence(index);
+        const LeafIndex corner =
+            cell_corner + LeafIndex(evidence.corner[0], evidence.corner[1], evidence.corner[2]);
+        if (evidence.occupied && reaches_in(corner, 1 << evidence.level))
+          found.push_back({corner, evidence.level, std::max(1, evidence.credit)});
+      }
+    });
     return found;
   }
 

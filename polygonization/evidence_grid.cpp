@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polygonization/evidence_grid.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <set>
 #include <utility>
@@ -38,6 +39,16 @@ int EvidenceGrid::At(const Eigen::Vector2d& p) const {
   const auto [key, cell] = Locate(p);
   const auto found = blocks_.find(key);
   return found == blocks_.end() ? 0 : found->second.At(cell.x(), cell.y());
+}
+
+void EvidenceGrid::Fill(int y, int x_begin, int x_end, std::int8_t known) {
+  for (int x = x_begin; x < x_end;) {
+    const BlockKey key = KeyOf(x, y);
+    const int block_end = std::min(x_end, (key.first + 1) * kBlockCells);
+    Block& block = MakeBlock(key);
+    block.num_looks = std::max<std::uint8_t>(block.num_looks, 1);
+    for (; x < block_end; ++x) block.At(x - key.first * kBlockCells, y - key.second * kBlockCells) = known;
+  }
 }
 
 int EvidenceGrid::Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other_from_this) {

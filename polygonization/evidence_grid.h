@@ -85,6 +85,8 @@ class EvidenceGrid {
   /// Of the cell that holds a point; 0 where nothing is known.
   int At(const Eigen::Vector2d& p) const;
 
+  /// Cells of a row from `x_begin` up to, but not with, `x_end` are known so well from now on.
+  void Fill(int y, int x_begin, int x_end, std::int8_t known);
   /// Takes over what another grid knows where this one knows less.
   /// @param other_from_this  maps points of this grid's plane to those of the other's
   /// @return how many cells belong to the surface only since

@@ -15,6 +15,7 @@
 #include "polygonization/surface_grower.h"
 #include "polygonization/surface_pieces.h"
 #include "polygonization/surface_store.h"
+#include "polygonization/surface_window.h"
 
 namespace terrace {
 namespace {
@@ -59,13 +60,15 @@ bool ShowsIn(const TracedPiece& piece, const EvidenceGrid& evidence, FrameId fra
 
 class PolygonMerger::Impl {
  public:
-  explicit Impl(const MergingConfig& config)
-      : config_(config), store_(config.outline_resolution_m), grower_(config_, &store_) {}
+  Impl(const MergingConfig& config, const MapReach& reach)
+      : config_(config), store_(config.outline_resolution_m), window_(reach), grower_(config_, &store_) {}
 
   PolygonUpdate Merge(const PatchUpdate& patches, const FrameView& view) {
     PolygonUpdate update;
     update.frame_id = patches.frame_id;
     update.t_capture = patches.t_capture;
+    for (const PolygonId id : window_.Move(view.T_world_left.translation(), late_, polygons_, &store_))
+      Remove(id, &update);
     store_.touched().clear();
     grower_.Grow(patches);
     Look(view);
@@ -92,7 +95,9 @@ class PolygonMerger::Impl {
   }
 
   const PolygonMap& polygons() const { return polygons_; }
-  std::int64_t memory_bytes() const { return store_.memory_bytes() + polygons_.memory_bytes(); }
+  std::int64_t memory_bytes() const {
+    return store_.memory_bytes() + window_.memory_bytes() + polygons_.memory_bytes();
+  }
 
  private:
   /// Every surface in view gathers evidence; where much has changed it is traced anew.
@@ -162,16 +167,19 @@ class PolygonMerger::Impl {
       surface.polygons.push_back(id);
       surface.pieces.push_back(std::move(pieces[i].traced));
     }
-    for (const PolygonId id : free_ids) {
-      polygons_.Erase(id);
-      update->removed.push_back(id);
-    }
+    for (const PolygonId id : free_ids) Remove(id, update);
+    std::sort(update->removed.begin(), update->removed.end());
     for (std::vector<PolygonId>* ids : {&update->added, &update->revised}) {
       std::sort(ids->begin(), ids->end());
       for (const PolygonId id : *ids) update->changed.push_back(polygons_.Find(id));
     }
     std::sort(update->changed.begin(), update->changed.end(),
               [](const PolygonPtr& a, const PolygonPtr& b) { return a->id < b->id; });
+  }
+
+  void Remove(PolygonId id, PolygonUpdate* update) {
+    polygons_.Erase(id);
+    update->removed.push_back(id);
   }
 
   /// Polygons that this frame showed, and that did not change by it.
@@ -211,7 +219,8 @@ class PolygonMerger::Impl {
   }
 
   const MergingConfig config_;
-  SurfaceStore store_;
+  SurfaceStore store_;    // of the surfaces near the camera
+  SurfaceWindow window_;  // keeps the others
   SurfaceGrower grower_;
   PolygonMap polygons_;
   PolygonId next_polygon_ = 1;
@@ -220,9 +229,9 @@ class PolygonMerger::Impl {
   std::set<SurfaceId> late_;  // surfaces whose outlines wait to be traced
 };
 
-PolygonMerger::PolygonMerger(const MergingConfig& config) {
+PolygonMerger::PolygonMerger(const MergingConfig& config, const MapReach& reach) {
   TERRACE_CHECK(config.Problems().empty());
-  impl_ = std::make_unique<Impl>(config);
+  impl_ = std::make_unique<Impl>(config, reach);
 }
 PolygonMerger::~PolygonMerger() = default;
 

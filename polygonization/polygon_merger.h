@@ -9,6 +9,7 @@
 #include "polygonization/merging_config.h"
 #include "polygonization/polygon.h"
 #include "polygonization/polygon_map.h"
+#include "polygonization/surface_window.h"
 
 namespace terrace {
 
@@ -16,7 +17,7 @@ namespace terrace {
 /// each frame where they end. Touches only what changed.
 class PolygonMerger {
  public:
-  explicit PolygonMerger(const MergingConfig& config);
+  explicit PolygonMerger(const MergingConfig& config, const MapReach& reach = {});
   ~PolygonMerger();
 
   /// @param view  the frame that the patches were last added to

@@ -145,6 +145,14 @@ MemberRef SurfaceStore::Add(const CellKey& key, const Eigen::Vector3d& centre_wo
   return {key, static_cast<int>(cell.members.size()) - 1};
 }
 
+MemberRef SurfaceStore::AddFolded(const CellKey& key, const Eigen::Vector3d& centre_world,
+                                  const Patch& patch) {
+  const bool is_new = !cells_.contains(key);
+  const MemberRef ref = Add(key, centre_world, patch);
+  if (is_new) cells_.at(key).folded = true;
+  return ref;
+}
+
 void SurfaceStore::Join(const MemberRef& ref, SurfaceId id) {
   At(ref).surface = id;
   Surface& surface = surfaces_.at(id);
@@ -165,8 +173,7 @@ void SurfaceStore::Leave(const MemberRef& ref) {
 void SurfaceStore::Found(const MemberRef& ref) {
   const Member& member = At(ref);
   const SurfaceId id = next_surface_++;
-  Surface& surface = surfaces_[id];
-  surface.evidence = EvidenceGrid(cell_m_);
+  Surface& surface = Begin(id);
   surface.plane_world = member.patch.plane_world;
   surface.angle_sigma_rad = member.angle_sigma_rad;
   surface.noise_m = member.patch.noise_m;
@@ -174,6 +181,26 @@ void SurfaceStore::Found(const MemberRef& ref) {
   surface.anchor_normal = surface.plane_world.normal;
   surface.axes = AxesOf(surface.anchor_normal);
   Join(ref, id);
+}
+
+Surface& SurfaceStore::Begin(SurfaceId id) {
+  Surface& surface = surfaces_[id];
+  surface.evidence = EvidenceGrid(cell_m_);
+  return surface;
+}
+
+void SurfaceStore::Remove(SurfaceId id) {
+  for (const CellKey& key : surfaces_.at(id).cells) {
+    const auto cell = cells_.find(key);
+    std::erase_if(cell->second.members, [&](const Member& member) {
+      if (member.surface != id) return false;
+      footprint_bytes_ -= BytesOf(member.patch);
+      return true;
+    });
+    if (cell->second.members.empty()) cells_.erase(cell);
+  }
+  surfaces_.erase(id);
+  touched_.erase(id);
 }
 
 void SurfaceStore::Absorb(SurfaceId keep, SurfaceId lose) {

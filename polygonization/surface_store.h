@@ -136,11 +136,17 @@ class SurfaceStore {
   std::vector<Member> TakeOut(const CellKey& key);
   /// A patch comes into its cell, without a surface yet.
   MemberRef Add(const CellKey& key, const Eigen::Vector3d& centre_world, const Patch& patch);
+  /// A patch whose points are forgotten comes into its cell, without a surface yet.
+  MemberRef AddFolded(const CellKey& key, const Eigen::Vector3d& centre_world, const Patch& patch);
   void Join(const MemberRef& ref, SurfaceId id);
   /// A member is without a surface from now on.
   void Leave(const MemberRef& ref);
   /// A surface of its own for a member.
   void Found(const MemberRef& ref);
+  /// A surface without members, under an id that is not in the store.
+  Surface& Begin(SurfaceId id);
+  /// A surface leaves the store with its members.
+  void Remove(SurfaceId id);
   /// Members and polygons of one surface go over to another.
   void Absorb(SurfaceId keep, SurfaceId lose);
   /// The members of a surface that do not `stay(member)` are without one from now on; they are returned.

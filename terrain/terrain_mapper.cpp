@@ -17,13 +17,22 @@ double FarthestMapped(const StereoCamera& camera, const CloudConfig& cloud) {
   return std::sqrt(cloud.max_depth_sigma_m * camera.fx * camera.baseline_m / kFinestSigma_px);
 }
 
+MapReach ReachOf(const MappingConfig& mapping, double window_m) {
+  MapReach reach;
+  reach.window_m = window_m;
+  if (mapping.keep_beyond_m > 0.0) reach.keep_beyond_m = std::max(window_m, mapping.keep_beyond_m);
+  reach.cell_size_m = mapping.cell_size_m();
+  return reach;
+}
+
 }  // namespace
 
 TerrainMapper::Parts::Parts(const TerrainConfig& config, const StereoCamera& camera,
-                            const std::optional<Eigen::Isometry3d>& T_body_left, std::int64_t map_id)
+                            const std::optional<Eigen::Isometry3d>& T_body_left, double window_m,
+                            std::int64_t map_id)
     : octree(config.mapping),
       modeller(config.modelling),
-      merger(config.merging),
+      merger(config.merging, ReachOf(config.mapping, window_m)),
       labeler(config.labeling, config.staircases, config.robot, camera, T_body_left, map_id) {}
 
 TerrainMapper::TerrainMapper(const TerrainConfig& config, const StereoCamera& camera,
@@ -33,7 +42,7 @@ TerrainMapper::TerrainMapper(const TerrainConfig& config, const StereoCamera& ca
       T_body_left_(T_body_left),
       window_m_(std::max(config.mapping.window_m, FarthestMapped(camera, config.cloud))),
       meters_(meters) {
-  parts_.emplace(config_, camera_, T_body_left_, 1);
+  parts_.emplace(config_, camera_, T_body_left_, window_m_, 1);
 }
 
 MapChange TerrainMapper::Update(const DepthView& view, const PoseEstimate& pose, const Gravity& gravity) {
@@ -77,7 +86,7 @@ MapChange TerrainMapper::Unchanged() const {
 
 void TerrainMapper::Reset() {
   const std::int64_t map_id = map()->map_id + 1;
-  parts_.emplace(config_, camera_, T_body_left_, map_id);
+  parts_.emplace(config_, camera_, T_body_left_, window_m_, map_id);
   gravity_hint_.reset();
 }
 

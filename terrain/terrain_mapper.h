@@ -33,7 +33,8 @@ struct DepthView {
 };
 
 /// The one owner of the map: octree, planes in cells, polygons and labels. Near the robot, within
-/// `mapping.window_m`, it keeps the evidence from which they can change; beyond, regions stay as they are.
+/// `mapping.window_m`, it keeps the evidence from which they can change; beyond, regions stay as they are,
+/// and farther away than `mapping.keep_beyond_m` they are forgotten.
 ///
 /// What always holds: the parts have seen the same frames of the same map, and map() is what the last of them
 /// led to.
@@ -70,7 +71,7 @@ class TerrainMapper {
   /// Everything that belongs to one map, so that a new map can have none of it.
   struct Parts {
     Parts(const TerrainConfig& config, const StereoCamera& camera,
-          const std::optional<Eigen::Isometry3d>& T_body_left, std::int64_t map_id);
+          const std::optional<Eigen::Isometry3d>& T_body_left, double window_m, std::int64_t map_id);
 
     RestingView resting;
     TerrainOctree octree;

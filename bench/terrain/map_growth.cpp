@@ -4,11 +4,13 @@
 // matches and tracks the first frames of a recording once, then shows them to the mapper again and again at
 // places 14 m apart on a grid (disparities and poses kept, poses shifted), as to a robot that walks through
 // one such room after the other. A row every so many places: mapped area, CPU time per frame of each stage,
-// memory, regions. The last line is one JSON object: cpu_ratio          CPU per frame of all map stages and
-// publishing, the last tenth of the places against places 5 to 10 p99_over_median    of one frame's CPU, over
-// the last half of the places window_kb_per_m2   memory of the map after the second place, by what was mapped
-// until then beyond_kb_per_m2   growth of the map's memory over the last half of the places, by what was
-// mapped there
+// memory, regions. The last line is one JSON object:
+//  - cpu_ratio: CPU per frame of all map stages and publishing, the last tenth of the places against places 5
+//    to 10;
+//  - p99_over_median: of one frame's CPU, over the last half of the places;
+//  - window_kb_per_m2: memory of the map after the second place, by what was mapped until then;
+//  - beyond_kb_per_m2: growth of the map's memory over the last half of the places, by what was mapped there;
+//  - heap_beyond_kb_per_m2: the same of all that the program has allocated, labels and messages included.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -18,6 +20,7 @@
 #include <memory>
 #include <vector>
 
+#include <malloc.h>
 #include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
 
@@ -76,6 +79,7 @@ struct Place {
   double cpu_ms = 0.0;  ///< per frame, of all map stages and publishing
   double area_m2 = 0.0;
   double map_mb = 0.0;
+  double heap_mb = 0.0;
   std::size_t num_regions = 0;
 };
 
@@ -110,6 +114,8 @@ class GrowingMap {
     }
     place.area_m2 = MappedArea(*change.map);
     place.map_mb = 1e-6 * static_cast<double>(change.map_bytes);
+    const struct mallinfo2 heap = mallinfo2();
+    place.heap_mb = 1e-6 * static_cast<double>(heap.uordblks + heap.hblkhd);
     place.num_regions = change.map->regions.size();
     return place;
   }
@@ -158,6 +164,7 @@ void PrintFigures(const std::vector<Place>& places, const std::vector<double>& f
       {"p99_over_median", Quantile(late_ms, 0.99) / Quantile(late_ms, 0.5)},
       {"window_kb_per_m2", 1e3 * second.map_mb / second.area_m2},
       {"beyond_kb_per_m2", 1e3 * (last.map_mb - half.map_mb) / (last.area_m2 - half.area_m2)},
+      {"heap_beyond_kb_per_m2", 1e3 * (last.heap_mb - half.heap_mb) / (last.area_m2 - half.area_m2)},
       {"map_mb", last.map_mb}};
   std::printf("%s\n", json.dump().c_str());
 }

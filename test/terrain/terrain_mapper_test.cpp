@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -157,6 +158,25 @@ TEST_F(TerrainMapperTest, RegionsBeyondTheWindowStayAndAreTakenUpAgainWithTheirI
   EXPECT_NEAR(LevelAreaAtTheOrigin(*mapper_.map()), LevelAreaAtTheOrigin(*before),
               0.05 * LevelAreaAtTheOrigin(*before))
       << "no second copy";
+}
+
+TEST(TerrainMapperReachTest, RegionsBeyondWhatIsKeptAreForgottenAndToldSo) {
+  StageMeters meters;
+  TerrainConfig config;
+  config.mapping.keep_beyond_m = 25.0;
+  TerrainMapper mapper(config, TestCamera(), std::nullopt, &meters);
+  PlaneWorld world = Room();
+  world.AddFloor(39, 44, -2, 2, 0);
+  Walker walker(world);
+  for (int i = 0; i < 24; ++i) walker.See(&mapper, 0.02 * (i % 12));
+  std::set<std::int64_t> here;
+  for (const auto& region : mapper.map()->regions) here.insert(region->id);
+  ASSERT_GE(here.size(), 2U);
+  for (int i = 0; i < 40; ++i)
+    for (const std::int64_t id : walker.See(&mapper, 40.0 + 0.05 * i).removed) here.erase(id);
+  EXPECT_TRUE(here.empty());
+  ASSERT_FALSE(mapper.map()->regions.empty());
+  for (const auto& region : mapper.map()->regions) EXPECT_GT(region->centroid_world.x(), 30.0);
 }
 
 TEST_F(TerrainMapperTest, WhatLeftWhileNobodyLookedGoesWhenThePlaceIsSeenAgain) {
