@@ -64,15 +64,17 @@ void FindWinners(D d, const SumsRow& row, const std::uint8_t* limit_of_sum, cons
     for (int i = 0; i < 16; ++i) {
       const std::uint8_t minimum = minima[i];
       int index = -1;
+      std::uint64_t best = 0;
       for (int k = 0; index < 0; k += 64) {
-        const std::uint64_t bits = NotAbove(d, sums + i * n + k, std::min(n - k, 64), minimum);
-        if (bits != 0) index = k + std::countr_zero(bits);
+        best = NotAbove(d, sums + i * n + k, std::min(n - k, 64), minimum);
+        if (best != 0) index = k + std::countr_zero(best);
       }
-      // Rivals: as good within the margin, but not next to the best.
+      // Rivals: as good within the margin, but not next to the best. Mostly those are the same sums.
       bool unique = true;
       const std::uint8_t limit = limit_of_sum[minimum];
+      const bool seen = n <= 64 && limit == minimum;
       for (int k = 0; k < n; k += 64) {
-        std::uint64_t bits = NotAbove(d, sums + i * n + k, std::min(n - k, 64), limit);
+        std::uint64_t bits = seen ? best : NotAbove(d, sums + i * n + k, std::min(n - k, 64), limit);
         const int first = index - 1 - k;  // clear the bits first ... first + 2
         if (first >= 0 && first < 64)
           bits &= ~(std::uint64_t{7} << first);
