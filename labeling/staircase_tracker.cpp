@@ -11,7 +11,7 @@ namespace {
 std::vector<StepPlace> PlacesOf(const FoundStaircase& found, const std::vector<RegionShapePtr>& shapes) {
   std::vector<StepPlace> places;
   for (const StepMember& m : found.members)
-    places.push_back({shapes[m.shape]->id(), m.riser, m.step_index, m.leaning});
+    places.push_back({shapes[m.shape]->id(), m.riser, m.step_index, m.only_evidence});
   return places;  // shapes ascend by id, and so do members
 }
 
@@ -64,7 +64,7 @@ Staircase Publish(const TrackedStaircase& tracked, const Eigen::Matrix3d& R_leve
   s.pitch_rad = std::atan2(m.rise_m, m.run_m);
   s.confidence = tracked.found.confidence;
   for (const StepPlace& place : tracked.places)
-    if (!place.leaning) s.region_ids.push_back(place.region);
+    if (!place.only_evidence) s.region_ids.push_back(place.region);
   return s;
 }
 
