@@ -14,26 +14,41 @@ namespace {
 /// The front of a tread is worse known than the place of a face.
 constexpr double kTreadEdgeWeight = 0.3;
 /// The top of a face is worse known than the height of a level piece. Its foot is hidden by the step in front
-/// where the eye is lower, so that its middle says less.
+/// where the eye is lower, so that its middle says less. An incline of strips, and a board seen from below,
+/// tell the height of the tread no better.
 constexpr double kFaceHeightWeight = 0.2;
 
-/// Least squares of y = a + b x with weights; none when all x are equal.
-std::optional<std::pair<double, double>> FitLine(const std::vector<std::array<double, 3>>& xyw) {
-  double w = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-  for (const auto& [xi, yi, wi] : xyw) {
-    w += wi;
-    x += wi * xi;
-    y += wi * yi;
-  }
-  if (w <= 0.0) return std::nullopt;
-  x /= w;
-  y /= w;
-  for (const auto& [xi, yi, wi] : xyw) {
-    xx += wi * (xi - x) * (xi - x);
-    xy += wi * (xi - x) * (yi - y);
+/// One value of a line y = a + b x; those of the second kind share an offset of their own that is not known.
+struct LineValue {
+  double x = 0.0;
+  double y = 0.0;
+  double weight = 0.0;
+  bool offset = false;
+};
+
+/// Least squares: a of the values without offset (none: of the others) and b; none when they do not tell b.
+std::optional<std::pair<double, double>> FitLine(const std::vector<LineValue>& values) {
+  double xx = 0.0, xy = 0.0;
+  std::array<Eigen::Vector2d, 2> middles{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  std::array<double, 2> weights{0.0, 0.0};
+  for (const bool offset : {false, true}) {
+    for (const LineValue& v : values) {
+      if (v.offset != offset) continue;
+      weights[offset] += v.weight;
+      middles[offset] += v.weight * Eigen::Vector2d(v.x, v.y);
+    }
+    if (weights[offset] <= 0.0) continue;
+    middles[offset] /= weights[offset];
+    for (const LineValue& v : values) {
+      if (v.offset != offset) continue;
+      const double dx = v.x - middles[offset].x();
+      xx += v.weight * dx * dx;
+      xy += v.weight * dx * (v.y - middles[offset].y());
+    }
   }
   if (xx < 1e-9) return std::nullopt;
-  return std::pair(y - xy / xx * x, xy / xx);
+  const Eigen::Vector2d& middle = weights[0] > 0.0 ? middles[0] : middles[1];
+  return std::pair(middle.y() - xy / xx * middle.x(), xy / xx);
 }
 
 /// A few are cut off by the limit of view, and a few run on beside the stairs: the middle one of the ends.
@@ -55,7 +70,7 @@ std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepF
   std::map<std::pair<int, bool>, double> area;
   for (const StepFit& fit : fits)
     area[{fit.step_index, flight.elements[fit.element].riser}] += flight.elements[fit.element].area_m2;
-  std::vector<std::array<double, 3>> heights, edges;
+  std::vector<LineValue> heights, edges;
   // Of a face both ends are seen from afar, of a tread often only a part.
   std::vector<Interval> widths;
   const bool any_riser = std::any_of(fits.begin(), fits.end(),
@@ -68,7 +83,8 @@ std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepF
       heights.push_back({static_cast<double>(fit.step_index), e.heights.high, kFaceHeightWeight * weight});
       edges.push_back({fit.step_index - 1.0, along, weight});
     } else {
-      heights.push_back({static_cast<double>(fit.step_index), e.z, weight});
+      heights.push_back({static_cast<double>(fit.step_index), e.z,
+                         (e.RoughHeight() ? kFaceHeightWeight : 1.0) * weight, e.underside});
       edges.push_back({fit.step_index - 1.0, along, kTreadEdgeWeight * weight});
     }
     if (e.riser == any_riser) widths.push_back(e.lateral);
@@ -121,12 +137,15 @@ std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::ve
   for (const StepFit& fit : flight.fits) {
     const StepElement& e = flight.elements[fit.element];
     const RegionShape& s = *shapes[e.shape];
-    members.push_back({e.shape, e.riser, false, e.leaning});
+    members.push_back({e.shape, e.riser, false, e.leaning, e.underside});
     if (e.riser) {
       risers -= s.area_m2 * s.front();
+    } else if (e.leaning) {
+      treads -= s.area_m2 * s.plane.normal.head<2>().normalized();
     } else {
       const Eigen::Vector2d across = s.rectangle.short_axis();
-      treads += s.area_m2 * (across.dot(direction) > 0.0 ? across : Eigen::Vector2d(-across));
+      treads += s.rectangle.Elongation() * s.area_m2 *
+                (across.dot(direction) > 0.0 ? across : Eigen::Vector2d(-across));
     }
   }
   const Eigen::Vector2d sum = risers.isZero() ? treads : risers;

@@ -100,8 +100,9 @@ std::vector<FlightFramePtr> StraightFrames(const StaircaseConfig& config,
     } else if (c.leaning) {
       votes.push_back({-s.plane.normal.head<2>().normalized(), s.area_m2});
     } else if (!c.spiral_only && s.rectangle.length_m > 1.5 * s.rectangle.depth_m) {
-      votes.push_back({s.rectangle.short_axis(), s.area_m2});
-      votes.push_back({-s.rectangle.short_axis(), s.area_m2});
+      const double weight = s.rectangle.Elongation() * s.area_m2;
+      votes.push_back({s.rectangle.short_axis(), weight});
+      votes.push_back({-s.rectangle.short_axis(), weight});
     }
   }
   std::stable_sort(votes.begin(), votes.end(),

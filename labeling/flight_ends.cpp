@@ -73,6 +73,27 @@ std::vector<LevelBeside> LevelsBeside(const StaircaseConfig& config,
   return levels;
 }
 
+/// So many levels from its lowest step on the rise is known well enough to tell one from the next.
+int LevelsKnown(const Flight& flight) {
+  constexpr double kLevelSigma = 0.006;  // of the height of a step
+  constexpr double kShareOfRise = 0.3;
+  constexpr int kMost = 12;
+  double n = 0.0, k1 = 0.0, k2 = 0.0;
+  const auto add = [&](double k) {
+    n += 1.0;
+    k1 += k;
+    k2 += k * k;
+  };
+  std::set<int> levels;
+  for (const StepFit& fit : flight.fits) levels.insert(fit.step_index);
+  for (const LevelHeight& end : flight.ends) levels.insert(end.level);
+  for (const int level : levels) add(level);
+  const double spread = k2 - k1 * k1 / std::max(1.0, n);
+  if (spread <= 0.0) return 1;
+  const double rise_sigma = kLevelSigma / std::sqrt(spread);
+  return std::clamp(static_cast<int>(kShareOfRise * flight.stride.rise / rise_sigma), 1, kMost);
+}
+
 }  // namespace
 
 void KeepLongestRun(std::vector<StepFit>& fits) {
@@ -113,6 +134,7 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
     return fit.step_index == highest && !flight.elements[fit.element].riser;
   });
 
+  const int most_away = LevelsKnown(flight);
   // Supports at the right height that reach further than a tread does.
   FlightEnds ends;
   std::optional<LevelHeight> foot, head;
@@ -136,7 +158,7 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
     // A floor that is long before the flight may go on beneath open steps.
     const bool beneath = behind <= -slack && along.low < edge + stride.run - long_enough;
     const double to_flight = beneath ? 0.0 : std::abs(behind);
-    if (level < lowest + 1 && level >= lowest - 4 && (beneath || behind > -slack) &&
+    if (level < lowest + 1 && level >= lowest - most_away && (beneath || behind > -slack) &&
         behind < 4.0 * stride.run && (at_feet || along.low < edge - 0.1 * stride.run) &&
         to_flight < foot_gap) {
       foot_gap = to_flight;

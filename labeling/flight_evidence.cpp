@@ -42,16 +42,18 @@ struct Evidence {
   std::vector<StepMember> members;  ///< ascending by shape
   std::set<StepKey> seen;           ///< however many fragments they have
   int num_levels = 0;
+  bool any_whole_face = false;  ///< that reaches over most of the rise: the front of a board does not
+  bool any_underside = false;
   bool faces_tile = false;  ///< at least two faces reach from one step to the next
   bool sides_agree = false;
   LineScatter z;      ///< heights over step indices
   LineScatter along;  ///< places of the edges over step indices
 };
 
-/// What single members are good for: the height of a tread; the top of a face; the place of a face; the front
-/// of a tread, which may be hidden.
+/// What single members are good for: the height of a tread; the top of a face, and what else tells a height
+/// only about; the place of a face; the front of a tread, which may be hidden.
 constexpr double kTreadHeightSigma = 0.006;
-constexpr double kFaceHeightSigma = 0.015;
+constexpr double kRoughHeightSigma = 0.015;
 constexpr double kFacePlaceSigma = 0.010;
 constexpr double kTreadFrontSigma = 0.025;
 
@@ -68,7 +70,7 @@ bool SidesAgree(const std::map<StepKey, Interval>& sides) {
 /// by so much more along the view.
 double TreadFrontSigma(const RegionShape& tread, const Eigen::Vector3d& eye) {
   constexpr double kLeastAbove = 0.05;
-  const double above = std::max(kLeastAbove, eye.z() - tread.centroid.z());
+  const double above = std::max(kLeastAbove, std::abs(tread.plane.SignedDistance(eye)));
   const double away = (tread.centroid - eye).head<2>().norm();
   return std::hypot(kTreadFrontSigma, tread.polygon->noise_m * away / above);
 }
@@ -89,7 +91,7 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends, const std::vector<
     // A wall that goes on beside and above its riser in one plane shows the riser, but is a wall.
     const double in_riser_m2 = e.lateral.Overlap(stride.lateral) * stride.rise;
     if (!e.riser || e.area_m2 <= 2.0 * in_riser_m2)
-      evidence.members.push_back({e.shape, e.riser, k, e.leaning});
+      evidence.members.push_back({e.shape, e.riser, k, e.leaning || e.underside});
     evidence.seen.insert({k, e.riser});
     levels.insert(k);
     Interval& side = sides.try_emplace({k, e.riser}, e.lateral).first->second;
@@ -99,7 +101,7 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends, const std::vector<
     const double along = flight.frame->Unwrapped(e.along.low, edge) - edge;
     const double level_z = e.riser ? e.heights.high : e.z;
     evidence.z.Add(fit.step_index, level_z - stride.z0 - fit.step_index * stride.rise,
-                   e.riser ? kFaceHeightSigma : kTreadHeightSigma, share);
+                   e.RoughHeight() ? kRoughHeightSigma : kTreadHeightSigma, share);
     evidence.along.Add(fit.step_index, along,
                        e.riser ? kFacePlaceSigma : TreadFrontSigma(*shapes[e.shape], eye), share);
     if (e.riser) {
@@ -107,12 +109,14 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends, const std::vector<
       const double whole = e.heights.length() / stride.rise;
       if (whole > 0.55 && whole < 1.3) whole_faces.insert(k);
     }
+    evidence.any_underside |= e.underside;
   }
   for (const LevelHeight& end : flight.ends)
     evidence.z.Add(end.level, end.z - stride.z0 - end.level * stride.rise, kTreadHeightSigma, 1.0);
   std::sort(evidence.members.begin(), evidence.members.end(),
             [](const StepMember& a, const StepMember& b) { return a.shape < b.shape; });
   evidence.num_levels = static_cast<int>(levels.size());
+  evidence.any_whole_face = !whole_faces.empty();
   evidence.faces_tile = whole_faces.size() >= 2;
   evidence.sides_agree = SidesAgree(sides);
   return evidence;
@@ -135,28 +139,41 @@ bool FloorSeenBeneath(const FlightModel& model, const FlightEnds& ends, const st
   return num > 0 && 2 * num_floor >= num;
 }
 
-/// Treads above each other with the same sides, and not one face between them where all is seen sharply:
-/// three of them, or two with the floor beneath. Its risers are open, and none is missed.
+/// Treads above each other with the same sides, and no face that reaches from one to the next where all is
+/// seen sharply: three of them, or two with the floor beneath, or one of them from below. Its risers are
+/// open, and none is missed; what is seen of them is the front of the boards.
 bool HasOpenRisers(const Evidence& evidence, const FlightModel& model, const FlightEnds& ends,
                    const std::vector<RegionShapePtr>& shapes) {
   constexpr int kEnoughTreads = 3;
-  const bool any_riser =
-      std::any_of(evidence.seen.begin(), evidence.seen.end(), [](const StepKey& key) { return key.second; });
-  if (any_riser || !evidence.sides_agree) return false;
-  return static_cast<int>(evidence.seen.size()) >= kEnoughTreads ||
-         FloorSeenBeneath(model, ends, evidence.seen, shapes);
+  if (evidence.any_whole_face || !evidence.sides_agree) return false;
+  const auto num_treads = std::count_if(evidence.seen.begin(), evidence.seen.end(),
+                                        [](const StepKey& key) { return !key.second; });
+  if (num_treads >= 2 && (evidence.any_underside || FloorSeenBeneath(model, ends, evidence.seen, shapes)))
+    return true;
+  return num_treads >= kEnoughTreads && num_treads == static_cast<std::ptrdiff_t>(evidence.seen.size());
+}
+
+/// How much of a tread shows: from above, the edge of the step before it hides the part next to its riser.
+double DepthThatShows(const FlightModel& model, int k, const Sight& sight) {
+  const Eigen::Vector2d edge = model.EdgePoint(k + 1, model.lateral.middle());
+  const double before = model.UpAt(k + 1).dot(sight.eye().head<2>() - edge);
+  if (before <= 0.0) return model.run_m;
+  const double above = sight.eye().z() - model.foot_z - (k + 1) * model.rise_m;
+  return above > 0.0 ? model.run_m - model.rise_m * before / above : 0.0;
 }
 
 /// The steps that the camera could see from where it is, and those that were seen.
 std::set<StepKey> StepsToBeSeen(const FlightModel& model, const FlightEnds& ends, const Sight& sight,
                                 const Evidence& evidence, const std::vector<RegionShapePtr>& shapes) {
   constexpr double kAboveTread = 0.05;  // lower than this over a tread, the camera sees a line of it
+  constexpr double kShows = 0.10;       // narrower strips merge with those beside them, or are lost
   std::set<StepKey> steps = evidence.seen;
   const bool open = HasOpenRisers(evidence, model, ends, shapes);
   for (int k = 1; k <= ends.num_risers(); ++k) {
     const Eigen::Vector2d edge = model.EdgePoint(k, model.lateral.middle());
     if (!open && model.UpAt(k).dot(edge - sight.eye().head<2>()) > 0.0) steps.insert({k, true});
-    if (k <= ends.num_treads() && sight.eye().z() > model.foot_z + k * model.rise_m + kAboveTread)
+    if (k <= ends.num_treads() && sight.eye().z() > model.foot_z + k * model.rise_m + kAboveTread &&
+        DepthThatShows(model, k, sight) >= kShows)
       steps.insert({k, false});
   }
   return steps;
@@ -218,8 +235,9 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
 
   const int num_ends = (ends.foot_shape ? 1 : 0) + (ends.head_shape ? 1 : 0);
   const int num_pieces = num_steps + num_ends;
-  const bool any_riser =
-      std::any_of(evidence.seen.begin(), evidence.seen.end(), [](const StepKey& key) { return key.second; });
+  const bool any_riser = std::any_of(evidence.seen.begin(), evidence.seen.end(),
+                                     [](const StepKey& key) { return key.second; }) &&
+                         !HasOpenRisers(evidence, found.model, ends, shapes);
   const int num_agreements = (evidence.faces_tile ? 1 : 0) + (evidence.sides_agree ? 1 : 0);
   // One riser may lie between the ground and what is seen.
   const bool grounded = num_ends > 0 || std::abs(found.model.foot_z - sight.ground_z) < 1.2 * stride.rise;

@@ -119,12 +119,12 @@ std::vector<InferredStep> InferSteps(const TrackedStaircase& staircase,
   const FlightModel& model = found.model;
   const Seen seen(staircase);
   // Strips of several treads in one incline say nothing about where one of them ends.
-  std::set<PolygonId> leaning;
+  std::set<PolygonId> inclines;
   for (const StepPlace& place : staircase.places)
-    if (place.leaning) leaning.insert(place.region);
+    if (place.only_evidence) inclines.insert(place.region);
   std::vector<const RegionShape*> near;
   for (const RegionShapePtr& shape : shapes)
-    if (!leaning.contains(shape->id())) near.push_back(shape.get());
+    if (!inclines.contains(shape->id())) near.push_back(shape.get());
 
   std::vector<InferredStep> steps;
   const auto add = [&](InferredStep step) {

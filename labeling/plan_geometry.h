@@ -31,6 +31,8 @@ struct PlanRectangle {
   double depth_m = 0.0;                                  ///< across it, not greater than length_m
 
   Eigen::Vector2d short_axis() const { return {-long_axis.y(), long_axis.x()}; }
+  /// How well its sides tell a direction: 1 of a line, 0 of a square.
+  double Elongation() const { return length_m > 0.0 ? 1.0 - depth_m / length_m : 0.0; }
 };
 PlanRectangle SmallestRectangle(const PlanRing& ring);
 

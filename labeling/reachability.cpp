@@ -39,7 +39,7 @@ std::vector<std::pair<int, int>> StairLinks(const std::vector<const TrackedStair
     std::vector<std::pair<int, int>> steps;  // step index, shape
     if (const int foot = table.IndexOf(s.foot_region); foot >= 0) steps.emplace_back(0, foot);
     for (const StepPlace& place : s.places)
-      if (const int tread = table.IndexOf(place.region); !place.riser && !place.leaning && tread >= 0)
+      if (const int tread = table.IndexOf(place.region); !place.riser && !place.only_evidence && tread >= 0)
         steps.emplace_back(place.step_index, tread);
     if (const int head = table.IndexOf(s.head_region); head >= 0)
       steps.emplace_back(s.published.num_risers, head);

@@ -24,6 +24,10 @@ bool SteepAsStairs(const RegionShape& shape, const StaircaseConfig& stairs);
 /// True when a staircase, seen badly, could look like this: as steep as stairs are, and higher than one step.
 bool CouldBeStairs(const RegionShape& shape, const StaircaseConfig& stairs);
 
+/// True when the points of an incline scatter by more than noise and worn or uneven surfaces explain: level
+/// strips of it do, whatever their noise hides.
+bool DepartsFromPlane(const RegionShape& shape, const StaircaseConfig& stairs);
+
 SlopeEvidence JudgeSlope(const RegionShape& shape, const StaircaseConfig& stairs);
 
 }  // namespace terrace

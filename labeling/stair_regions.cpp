@@ -21,7 +21,7 @@ void StairRegions::Update(const StaircaseTracker& tracker) {
   for (const TrackedStaircase* s : tracker.looked_at()) {
     std::vector<PolygonId>& regions = of_staircase_[s->id];
     for (const StepPlace& place : s->places) {
-      if (place.leaning) continue;
+      if (place.only_evidence) continue;
       by_region_.emplace(place.region, InStaircase{s->id, place, s->published.confidence});
       regions.push_back(place.region);
     }

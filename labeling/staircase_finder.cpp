@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "labeling/staircase_finder.h"
 
+#include <cmath>
 #include <set>
 #include <utility>
 
 #include "labeling/flight_directions.h"
 #include "labeling/flight_ends.h"
 #include "labeling/flight_evidence.h"
+#include "labeling/flight_frame.h"
 #include "labeling/flight_search.h"
 #include "labeling/step_elements.h"
 
@@ -19,11 +21,29 @@ std::optional<FoundStaircase> Complete(const StaircaseConfig& config,
   if (!flight) return std::nullopt;
   KeepLongestRun(flight->fits);
   if (flight->fits.empty()) return std::nullopt;
-  const FlightEnds ends = FindFlightEnds(config, shapes, *flight, sight.ground_z);
-  const int last_tread = ends.first_step + ends.num_treads() - 1;
-  flight->ends = ends.heights;
-  RefineWithin(config, ends.first_step, ends.last_step, last_tread, *flight);
+  // The heights of the ends that are near tell the rise better, and so which level one is that is far.
+  constexpr int kRounds = 2;
+  FlightEnds ends;
+  for (int round = 0; round < kRounds; ++round) {
+    ends = FindFlightEnds(config, shapes, *flight, sight.ground_z);
+    const int last_tread = ends.first_step + ends.num_treads() - 1;
+    flight->ends = ends.heights;
+    RefineWithin(config, ends.first_step, ends.last_step, last_tread, *flight);
+  }
   return WeighFlight(config, shapes, *flight, ends, sight, known);
+}
+
+/// True when a shape lies among the steps of a flight: at its place, and about as high as its law is there.
+/// What does is one of its steps, or a thing that lies on them, and no other flight.
+bool LiesWithin(const FoundStaircase& staircase, const RegionShape& shape) {
+  const FlightModel& model = staircase.model;
+  const PlacedFrame placed = FrameOf(model);
+  const Interval lateral = placed.frame->LateralExtent(shape);
+  if (lateral.Overlap(placed.lateral) < 0.5 * lateral.length()) return false;
+  const double step = (shape.centroid.z() - model.foot_z) / model.rise_m;
+  const double edge = placed.foot_along_m + (step - 1.0) * model.run_m;
+  const double along = placed.frame->Unwrapped(placed.frame->AlongExtent(shape, lateral).middle(), edge);
+  return step > 0.0 && step < staircase.num_risers + 0.5 && std::abs(along - edge) < 1.5 * model.run_m;
 }
 
 }  // namespace
@@ -36,7 +56,9 @@ std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<RegionShapeP
   const auto take = [&](FoundStaircase&& staircase) {
     std::set<int> used;
     for (const StepMember& member : staircase.members) used.insert(member.shape);
-    std::erase_if(candidates, [&](const StepCandidate& c) { return used.contains(c.shape); });
+    std::erase_if(candidates, [&](const StepCandidate& c) {
+      return used.contains(c.shape) || LiesWithin(staircase, *shapes[c.shape]);
+    });
     found.push_back(std::move(staircase));
   };
 

@@ -15,8 +15,8 @@ namespace terrace {
 struct StepMember {
   int shape = 0;  ///< index into the shapes searched
   bool riser = false;
-  int step_index = 0;    ///< riser 1 is the lowest, tread 1 lies above riser 1
-  bool leaning = false;  ///< evidence of the step, but no region to step on
+  int step_index = 0;          ///< riser 1 is the lowest, tread 1 lies above riser 1
+  bool only_evidence = false;  ///< of the step, but no region to step on
 };
 
 /// What a staircase was found by.

@@ -11,7 +11,7 @@ namespace {
 std::vector<StepPlace> PlacesOf(const FoundStaircase& found, const std::vector<RegionShapePtr>& shapes) {
   std::vector<StepPlace> places;
   for (const StepMember& m : found.members)
-    places.push_back({shapes[m.shape]->id(), m.riser, m.step_index, m.leaning});
+    places.push_back({shapes[m.shape]->id(), m.riser, m.step_index, m.only_evidence});
   return places;  // shapes ascend by id, and so do members
 }
 
@@ -64,7 +64,7 @@ Staircase Publish(const TrackedStaircase& tracked, const Eigen::Matrix3d& R_leve
   s.pitch_rad = std::atan2(m.rise_m, m.run_m);
   s.confidence = tracked.found.confidence;
   for (const StepPlace& place : tracked.places)
-    if (!place.leaning) s.region_ids.push_back(place.region);
+    if (!place.only_evidence) s.region_ids.push_back(place.region);
   return s;
 }
 
@@ -80,7 +80,15 @@ bool PracticallyEqual(const Staircase& a, const Staircase& b) {
          std::abs(a.confidence - b.confidence) < kConfidence;
 }
 
+/// How far from the foot edge what is seen of a flight begins [steps].
+double StepsFromFoot(const FoundStaircase& found) {
+  int lowest = found.num_risers;
+  for (const StepMember& member : found.members) lowest = std::min(lowest, member.step_index);
+  return lowest;
+}
+
 /// True when the law that was told is as well known as the new one, and both may be the same: then it rests.
+/// Where the foot lies is known by what is seen of the steps, and the worse the farther away that is.
 bool LawRests(const FoundStaircase& told, const FoundStaircase& now) {
   constexpr double kClearlyBetter = 0.8;
   const auto rests = [](double a, double sigma_a, double b, double sigma_b) {
@@ -89,11 +97,26 @@ bool LawRests(const FoundStaircase& told, const FoundStaircase& now) {
   const FlightModel& a = told.model;
   const FlightModel& b = now.model;
   constexpr double kSameEdge = 0.02;
-  return a.spiral == b.spiral && told.num_risers == now.num_risers &&
-         rests(a.rise_m, told.rise_sigma_m, b.rise_m, now.rise_sigma_m) &&
+  constexpr double kSameDirection = 0.998;  // 4 deg
+  const double steps = std::max(StepsFromFoot(told), StepsFromFoot(now));
+  const double same_z = kSameEdge + steps * (told.rise_sigma_m + now.rise_sigma_m);
+  const double same_edge = kSameEdge + steps * (told.run_sigma_m + now.run_sigma_m);
+  const Eigen::Vector2d shift = a.EdgePoint(1.0, a.lateral.middle()) - b.EdgePoint(1.0, b.lateral.middle());
+  // Sides come into view and leave it: no step is wider for that.
+  return a.spiral == b.spiral && rests(a.rise_m, told.rise_sigma_m, b.rise_m, now.rise_sigma_m) &&
          rests(a.run_m, told.run_sigma_m, b.run_m, now.run_sigma_m) &&
-         std::abs(a.foot_z - b.foot_z) < kSameEdge &&
-         (a.EdgePoint(1.0, a.lateral.middle()) - b.EdgePoint(1.0, a.lateral.middle())).norm() < kSameEdge;
+         a.UpAt(1.0).dot(b.UpAt(1.0)) > kSameDirection && std::abs(a.foot_z - b.foot_z) < same_z &&
+         std::abs(shift.dot(a.UpAt(1.0))) < same_edge;
+}
+
+/// Sides go out of view when the robot comes near: a flight that was wider where it is now seen still is.
+void KeepWidth(const FlightModel& told, FlightModel& now) {
+  constexpr double kInPart = 0.85;
+  constexpr double kSlack = 0.1;
+  if (told.spiral || now.spiral || now.lateral.length() > kInPart * told.lateral.length()) return;
+  const double shift = LeftOf(now.direction).dot(told.origin - now.origin);
+  const Interval wide{told.lateral.low + shift, told.lateral.high + shift};
+  if (now.lateral.low > wide.low - kSlack && now.lateral.high < wide.high + kSlack) now.lateral = wide;
 }
 
 /// How many steps of the told flight lie below the first one that was found now.
@@ -179,6 +202,7 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
       });
     }
   }
+  KeepWidth(told.model, now.model);
   if (LawRests(told, now)) {
     now.model = told.model;
     now.rise_sigma_m = told.rise_sigma_m;

@@ -16,7 +16,7 @@ struct StepPlace {
   PolygonId region = 0;
   bool riser = false;
   int step_index = 0;
-  bool leaning = false;  ///< evidence of the step, but no region to step on
+  bool only_evidence = false;  ///< of the step, but no region to step on
 };
 
 /// A staircase that has been seen often enough to be told.

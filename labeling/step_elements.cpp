@@ -2,6 +2,7 @@
 #include "labeling/step_elements.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "core/angles.h"
 #include "labeling/slope_evidence.h"
@@ -15,9 +16,16 @@ namespace {
 bool MayBeStripOfTread(const StaircaseConfig& config, const RegionShape& s) {
   if (s.lean != Lean::kSupport && s.lean != Lean::kSteep) return false;
   // One strip may be lower than a step: the residuals are those of all strips of the incline.
-  if (!SteepAsStairs(s, config) || JudgeSlope(s, config) != SlopeEvidence::kNotPlane) return false;
+  if (!SteepAsStairs(s, config) || !DepartsFromPlane(s, config)) return false;
   const Eigen::Vector2d uphill = -s.plane.normal.head<2>().normalized();
   return std::abs(s.rectangle.short_axis().dot(uphill)) >= std::cos(Radians(config.max_turn_deg));
+}
+
+/// Boards of stairs are 3 to 6 cm thick.
+constexpr double kBoard = 0.045;
+
+bool MayBeUnderside(const StaircaseConfig& config, const RegionShape& s) {
+  return s.lean == Lean::kFacingDown && s.slope_rad >= std::numbers::pi - Radians(config.max_tread_slope_deg);
 }
 
 }  // namespace
@@ -29,7 +37,7 @@ std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
   // A landing of which little is seen may pass for a tread; its neighbours tell.
   const double max_depth = config.max_tread_m + 2.0 * config.edge_tolerance_m;
   constexpr double kMinFaceHeight = 0.03;
-  constexpr double kMinDepth = 0.06;
+  constexpr double kMinDepth = 0.04;
   // Fragments of a step, in pieces.
   constexpr double kMinLength = 0.2;
   std::vector<StepCandidate> candidates;
@@ -42,6 +50,9 @@ std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
     } else if (s.lean == Lean::kUpright) {
       const double height = s.face_heights.length();
       if (height >= kMinFaceHeight && height <= max_face) candidates.push_back({i, true});
+    } else if (MayBeUnderside(config, s)) {
+      const double depth = s.rectangle.depth_m;
+      if (depth >= kMinDepth && depth <= max_depth) candidates.push_back({i, false, false, false, true});
     } else if (s.lean == Lean::kSupport) {
       const double depth = s.rectangle.depth_m;
       if (s.slope_rad <= Radians(config.max_tread_slope_deg) && depth >= kMinDepth &&
@@ -75,12 +86,15 @@ std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
     e.shape = c.shape;
     e.riser = c.riser;
     e.leaning = c.leaning;
+    e.underside = c.underside;
     e.lateral = frame.LateralExtent(s);
     e.along = frame.AlongExtent(s, e.lateral);
     if (c.riser) e.along = {e.along.middle(), e.along.middle()};
     e.heights = c.riser ? s.face_heights : s.heights();
     e.z = c.riser ? e.heights.middle() : s.HeightAt(s.rectangle.center);
+    if (c.underside) e.z += kBoard;
     e.area_m2 = s.area_m2;
+    if (c.leaning) e.min_rise_m = LowestStepThatShows(s);
     elements.push_back(e);
   }
   return elements;

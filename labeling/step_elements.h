@@ -17,6 +17,8 @@ struct StepCandidate {
   /// Strips of treads that merged into one incline, seen over the edges of the steps above: its middle is as
   /// high as the tread. Evidence of a step, but no region to step on.
   bool leaning = false;
+  /// A board seen from below. Evidence of a step as well, and no region to step on.
+  bool underside = false;
 };
 
 /// What may be riser or tread, by its own form alone.
@@ -28,11 +30,16 @@ struct StepElement {
   int shape = 0;
   bool riser = false;
   bool leaning = false;
+  bool underside = false;
   Interval along;  ///< of a riser: its middle, twice
   Interval lateral;
   Interval heights;
-  double z = 0.0;  ///< middle height of a riser, mean height of a tread
+  double z = 0.0;  ///< middle height of a riser, mean height of a tread; over an underside that of the tread
   double area_m2 = 0.0;
+  double min_rise_m = 0.0;  ///< of an incline: lower steps would not show in it
+
+  /// Its height is that of the tread only about.
+  bool RoughHeight() const { return riser || leaning || underside; }
 };
 
 /// The candidates that lie across the flight as its steps would.

@@ -19,6 +19,7 @@ bool Stride::Plausible(const StaircaseConfig& config) const {
 
 std::optional<StepFit> FitStep(const StaircaseConfig& config, const FlightFrame& frame, const Stride& stride,
                                const StepElement& e) {
+  if (stride.rise < e.min_rise_m) return std::nullopt;
   const double beside = e.lateral.Overlap(stride.lateral);
   if (beside < 0.4 * std::min(e.lateral.length(), stride.lateral.length())) return std::nullopt;
   // Heights are better than depths: they choose the step.
@@ -42,7 +43,9 @@ std::optional<StepFit> FitStep(const StaircaseConfig& config, const FlightFrame&
     // What is hidden makes a tread shorter, never longer.
     strain = std::max(strain, (edge - low) / config.edge_tolerance_m);
     strain = std::max(strain, (high - (edge + stride.run)) / config.edge_tolerance_m);
-    if (std::min(high, edge + stride.run) - std::max(low, edge) < 0.25 * stride.run) return std::nullopt;
+    constexpr double kLeastDepth = 0.05;  // from above, no more may show over the edge of the step before it
+    if (std::min(high, edge + stride.run) - std::max(low, edge) < std::min(kLeastDepth, 0.25 * stride.run))
+      return std::nullopt;
   }
   if (strain > 1.0) return std::nullopt;
   return StepFit{0, k, 1.0 - strain};

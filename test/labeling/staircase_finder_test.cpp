@@ -7,6 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "label_scene.h"
+#include "labeling/flight_frame.h"
+#include "labeling/step_elements.h"
+#include "labeling/stride.h"
 
 namespace terrace {
 namespace {
@@ -65,7 +68,7 @@ TEST(StaircaseFinderTest, FindsAFlightDownInStripsOfItsTreadsThatMergedIntoOneIn
   EXPECT_NEAR(found[0].model.run_m, kRunDown, 0.01);
   EXPECT_LT(found[0].model.UpAt(1.0).x(), -0.99);
   EXPECT_TRUE(std::all_of(found[0].members.begin(), found[0].members.end(),
-                          [](const StepMember& m) { return m.leaning && !m.riser; }));
+                          [](const StepMember& m) { return m.only_evidence && !m.riser; }));
 }
 
 TEST(StaircaseFinderTest, FindsAFlightInStripsOfAnInclineThatAreLowerThanAStep) {
@@ -196,6 +199,100 @@ TEST(StaircaseFinderTest, MissesNoRisersWhereTheyAreOpen) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 3);
   EXPECT_NEAR(found[0].model.rise_m, 0.155, 0.002);
+}
+
+TEST(StaircaseFinderTest, CountsAFlightDownByItsFirstTreadsAndTheFloorBelow) {
+  // The edges of the steps hide all but the fronts of the treads; farther down they merge.
+  constexpr int kRisers = 8;
+  constexpr double kRise = 0.14, kRun = 0.26;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 2.0 * (kEdgeX - 1), 1.6);
+  for (int k = 1; k <= 2; ++k)
+    scene.AddLevel(TerrainLabel::kStairTread, {kEdgeX + k * kRun - 0.04, 0, -k * kRise}, 0.08, 1.6);
+  const double foot_x = kEdgeX + (kRisers - 1) * kRun;
+  scene.AddLevel(TerrainLabel::kWalkway, {foot_x + 1.7, 0, -kRisers * kRise}, 3, 1.6);
+  Sight sight = FromAbove();
+  sight.T_level_left.translation().x() = kEdgeX - 0.6;
+  const auto found =
+      StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, kRisers);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 0.002);
+  EXPECT_NEAR(found[0].model.run_m, kRun, 0.01);
+  EXPECT_EQ(found[0].evidence.num_to_see, 2);
+}
+
+TEST(StaircaseFinderTest, ClaimsNoFloorThatLiesAtNoWholeNumberOfSteps) {
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 2.0 * (kEdgeX - 1), 1.6);
+  for (int k = 1; k <= 2; ++k)
+    scene.AddLevel(TerrainLabel::kStairTread, {kEdgeX + k * 0.26 - 0.04, 0, -k * 0.2}, 0.08, 1.6);
+  scene.AddLevel(TerrainLabel::kWalkway, {kEdgeX + 7 * 0.26 + 1.7, 0, -7.5 * 0.2}, 3, 1.6);
+  Sight sight = FromAbove();
+  sight.T_level_left.translation().x() = kEdgeX - 0.6;
+  for (const FoundStaircase& staircase :
+       StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, sight, true))
+    EXPECT_FALSE(staircase.foot_shape);
+}
+
+/// A level rectangle of which the underside is seen.
+KnownPiece BoardFromBelow(double front_x, double depth_m, double width_m, double z) {
+  const double a = front_x, b = front_x + depth_m, w = 0.5 * width_m;
+  return {{{a, -w, z}, {a, w, z}, {b, w, z}, {b, -w, z}}, {}, TerrainLabel::kUnknown};
+}
+
+TEST(StaircaseFinderTest, CountsTheBoardsOfAnOpenFlightThatAreSeenFromBelow) {
+  constexpr double kRise = 0.17, kRun = 0.28;
+  for (const double board_m : {0.03, 0.045, 0.06}) {
+    LabelScene scene;
+    scene.AddLevel(TerrainLabel::kWalkway, {2.5, 0, 0}, 5, 4);
+    for (int k = 1; k <= 2; ++k)
+      scene.AddLevel(TerrainLabel::kStairTread, {3.0 + kRun * (k - 0.5), 0, kRise * k}, 0.28, 0.95);
+    for (int k = 4; k <= 6; ++k)
+      scene.Add(BoardFromBelow(3.0 + kRun * (k - 1), 0.28, 0.95, kRise * k - board_m));
+    const auto found = FindFromBelow(scene);
+    ASSERT_EQ(found.size(), 1u) << board_m;
+    EXPECT_EQ(found[0].num_risers, 6) << board_m;
+    EXPECT_NEAR(found[0].model.rise_m, kRise, 0.002) << board_m;
+    EXPECT_EQ(std::count_if(found[0].members.begin(), found[0].members.end(),
+                            [](const StepMember& m) { return m.only_evidence; }),
+              3)
+        << board_m;
+  }
+}
+
+TEST(StaircaseFinderTest, FindsNoSecondFlightAmongTheStepsOfOne) {
+  // Things lie on the treads, as far apart as these and nearer to the edges.
+  LabelScene scene = OpenFlight(5, 0.28, 5.0);
+  for (int k = 1; k <= 4; ++k)
+    scene.AddLevel(TerrainLabel::kObstacle, {3.0 + 0.28 * (k - 1) + 0.02, 0, 0.155 * k + 0.075}, 0.2, 0.6);
+  EXPECT_EQ(FindFromBelow(scene).size(), 1u);
+}
+
+TEST(StaircaseFinderTest, TakesStripsForStepsOnlyWhereTheyAreHigherThanNoiseHides) {
+  const auto candidates = [](double rms_m, double noise_m) {
+    std::vector<RegionShapePtr> shapes = InclineInStrips(rms_m);
+    for (RegionShapePtr& shape : shapes) {
+      auto polygon = std::make_shared<Polygon>(*shape->polygon);
+      polygon->noise_m = noise_m;
+      auto noisy = std::make_shared<RegionShape>(*shape);
+      noisy->polygon = polygon;
+      shape = noisy;
+    }
+    const StaircaseConfig config;
+    const StraightFrame frame(-Eigen::Vector2d::UnitX());
+    std::vector<StepElement> strips = MeasureSteps(config, shapes, StepCandidates(config, shapes), frame);
+    std::erase_if(strips, [](const StepElement& e) { return !e.leaning; });
+    return strips;
+  };
+  // Noise of 9 mm hides steps of 5 cm, but not of 11 cm.
+  const std::vector<StepElement> strips = candidates(0.013, 0.009);
+  ASSERT_EQ(strips.size(), 3u);
+  EXPECT_GT(strips[0].min_rise_m, StaircaseConfig{}.min_riser_m);
+  EXPECT_LT(strips[0].min_rise_m, kRiseDown);
+  EXPECT_TRUE(candidates(0.008, 0.009).empty()) << "noise explains what departs from the plane";
+  Stride stride{kEdgeX - 4 * kRunDown, kRunDown, -4 * kRiseDown, 0.055, {-0.8, 0.8}};
+  EXPECT_FALSE(FitStep(StaircaseConfig{}, StraightFrame(-Eigen::Vector2d::UnitX()), stride, strips[0]));
 }
 
 }  // namespace

@@ -98,6 +98,31 @@ TEST_F(StaircaseTrackerTest, RestsWhileNewNumbersSayNothingBetter) {
   EXPECT_NEAR(told().riser_m, 0.174, 1e-12);
 }
 
+TEST_F(StaircaseTrackerTest, RestsWhileTheFootIsAsWellKnownAsWhatIsSeenFarFromItTells) {
+  FoundStaircase far = Found(1, 6);
+  std::erase_if(far.members, [](const StepMember& member) { return member.step_index < 5; });
+  far.run_sigma_m = 0.01;
+  See(far, kFrames);
+  FoundStaircase other = far;
+  other.model.origin.x() += 0.05;  // five steps of a centimetre that nobody knows
+  See(other, kFrames);
+  EXPECT_NEAR(told().base_world().x(), 3.0, 1e-9);
+  FoundStaircase near = other;
+  near.members = Found(1, 6).members;
+  near.run_sigma_m = 0.004;
+  See(near);
+  EXPECT_NEAR(told().base_world().x(), 3.05, 1e-9);
+}
+
+TEST_F(StaircaseTrackerTest, KeepsTheWidthWhileASideIsOutOfView) {
+  See(Found(1, 6), kFrames);
+  FoundStaircase part = Found(1, 6);
+  part.model.lateral = {-0.1, 0.6};
+  part.rise_sigma_m = part.run_sigma_m = 0.001;  // better known otherwise
+  See(part, kFrames);
+  EXPECT_NEAR(told().width_m, 1.2, 1e-9);
+}
+
 TEST_F(StaircaseTrackerTest, ForgetsOneThatIsNoLongerFoundAndNeverUsesItsIdAgain) {
   See(Found(1, 6), kFrames);
   for (int i = 0; i < kFrames; ++i) tracker_.Update({}, table_);
