@@ -29,6 +29,9 @@ int NearestSupport(const std::vector<RegionShapePtr>& shapes, const Eigen::Vecto
   for (int i = 0; i < static_cast<int>(shapes.size()); ++i) {
     const RegionShape& s = *shapes[i];
     if (s.lean != Lean::kSupport) continue;
+    // Most lie far from a stance of long ago: that takes no walk around their rings.
+    const Eigen::Vector3d before = s.bounds.min() - ground, behind = ground - s.bounds.max();
+    if (std::max(before.head<2>().maxCoeff(), behind.head<2>().maxCoeff()) > limits.max_distance_m) continue;
     Eigen::Vector2d q;
     const double distance = s.PlanDistance(ground.head<2>(), &q);
     const double height = std::abs(s.HeightAt(q) - ground.z());

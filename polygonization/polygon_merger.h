@@ -6,10 +6,10 @@
 
 #include "polygonization/cell_modeller.h"
 #include "polygonization/evidence_look.h"
+#include "polygonization/map_reach.h"
 #include "polygonization/merging_config.h"
 #include "polygonization/polygon.h"
 #include "polygonization/polygon_map.h"
-#include "polygonization/surface_window.h"
 
 namespace terrace {
 

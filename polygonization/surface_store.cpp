@@ -24,9 +24,36 @@ double AngleSigma(const PlaneMoments& moments) {
   return std::sqrt((1.0 / moments.weight + kSystematic_m * kSystematic_m) / width2);
 }
 
+/// The plane of a patch with axes in it, relative to the centre of the cell.
+struct PatchAxes {
+  Eigen::Vector3f origin, x, y;
+
+  PatchAxes(const Plane& plane_world, const Eigen::Vector3d& centre_world) {
+    const PlaneAxes axes = AxesOf(plane_world.normal);
+    origin = (-plane_world.SignedDistance(centre_world) * plane_world.normal).cast<float>();
+    x = axes.x.cast<float>();
+    y = axes.y.cast<float>();
+  }
+  Eigen::Vector2f Along(const Eigen::Vector3f& v) const { return {x.dot(v), y.dot(v)}; }
+};
+
+std::vector<SmallFootprint> Small(const std::vector<Footprint>& footprints, const PatchAxes& axes) {
+  std::vector<SmallFootprint> small;
+  small.reserve(footprints.size());
+  for (const Footprint& f : footprints) {
+    const Eigen::Vector2f centre = axes.Along(f.centre - axes.origin), half_long = axes.Along(f.half_x);
+    small.push_back({{Eigen::half(centre.x()), Eigen::half(centre.y())},
+                     {Eigen::half(half_long.x()), Eigen::half(half_long.y())},
+                     Eigen::half(f.half_y.norm())});
+  }
+  return small;
+}
+
 Member MakeMember(const Patch& patch, const Eigen::Vector3d& centre_world) {
   Member member;
   member.patch = patch;
+  member.patch.footprints = {};
+  member.footprints = Small(patch.footprints, {patch.plane_world, centre_world});
   member.mean_world = centre_world + patch.moments.Mean();
   member.low_world = centre_world + patch.low.cast<double>();
   member.high_world = centre_world + patch.high.cast<double>();
@@ -34,8 +61,8 @@ Member MakeMember(const Patch& patch, const Eigen::Vector3d& centre_world) {
   return member;
 }
 
-std::int64_t BytesOf(const Patch& patch) {
-  return static_cast<std::int64_t>(patch.footprints.size() * sizeof(Footprint));
+std::int64_t FootprintBytes(const Member& member) {
+  return static_cast<std::int64_t>(member.footprints.capacity() * sizeof(SmallFootprint));
 }
 
 /// @return cells that belong to the surface only since
@@ -64,10 +91,20 @@ void OpenEvidence(const CellMembers& cell, const Member& member, Surface* surfac
   const Eigen::Vector2f in_group = (middle - middle_group.cast<double>()).cast<float>();
   const Eigen::Vector2f around = Eigen::Vector2f::Constant(static_cast<float>(groups_per_m * kAround_m));
   EvidenceGrid::Opener opener(&surface->evidence);
-  for (const Footprint& f : member.patch.footprints) {
-    const Eigen::Vector2f at = in_group + to_groups * f.centre;
-    const Eigen::Vector2f reach =
-        (to_groups * f.half_x).cwiseAbs() + (to_groups * f.half_y).cwiseAbs() + around;
+  const PatchAxes axes(member.patch.plane_world, cell.centre_world);
+  Eigen::Matrix2f along;  // groups for a metre along each axis of the patch
+  along << to_groups * axes.x, to_groups * axes.y;
+  const Eigen::Vector2f start = in_group + to_groups * axes.origin;
+  for (const SmallFootprint& f : member.footprints) {
+    const Eigen::Vector2f centre(static_cast<float>(f.centre[0]), static_cast<float>(f.centre[1]));
+    const Eigen::Vector2f half_long(static_cast<float>(f.half_long[0]), static_cast<float>(f.half_long[1]));
+    const float length = half_long.norm();
+    const Eigen::Vector2f half_short = length > 0.0F
+                                           ? Eigen::Vector2f(static_cast<float>(f.half_short) / length *
+                                                             Eigen::Vector2f(-half_long.y(), half_long.x()))
+                                           : Eigen::Vector2f::Zero();
+    const Eigen::Vector2f at = start + along * centre;
+    const Eigen::Vector2f reach = (along * half_long).cwiseAbs() + (along * half_short).cwiseAbs() + around;
     const Eigen::Vector2f low = at - reach, high = at + reach;
     opener.OpenGroups(middle_group + Eigen::Vector2i(FloorToInt(low.x()), FloorToInt(low.y())),
                       middle_group + Eigen::Vector2i(FloorToInt(high.x()), FloorToInt(high.y())));
@@ -118,8 +155,8 @@ void SurfaceStore::Fold(const CellKey& key) {
   if (found == cells_.end()) return;
   found->second.folded = true;
   for (Member& member : found->second.members) {
-    footprint_bytes_ -= BytesOf(member.patch);
-    member.patch.footprints = {};
+    footprint_bytes_ -= FootprintBytes(member);
+    member.footprints = {};
   }
 }
 
@@ -129,7 +166,7 @@ std::vector<Member> SurfaceStore::TakeOut(const CellKey& key) {
   std::vector<Member> members = std::move(found->second.members);
   cells_.erase(found);
   for (const Member& member : members) {
-    footprint_bytes_ -= BytesOf(member.patch);
+    footprint_bytes_ -= FootprintBytes(member);
     if (member.surface == kNoSurface) continue;
     surfaces_.at(member.surface).cells.erase(key);
     touched_.insert(member.surface);
@@ -141,7 +178,7 @@ MemberRef SurfaceStore::Add(const CellKey& key, const Eigen::Vector3d& centre_wo
   CellMembers& cell = cells_[key];
   cell.centre_world = centre_world;
   cell.members.push_back(MakeMember(patch, centre_world));
-  footprint_bytes_ += BytesOf(patch);
+  footprint_bytes_ += FootprintBytes(cell.members.back());
   return {key, static_cast<int>(cell.members.size()) - 1};
 }
 
@@ -194,7 +231,7 @@ void SurfaceStore::Remove(SurfaceId id) {
     const auto cell = cells_.find(key);
     std::erase_if(cell->second.members, [&](const Member& member) {
       if (member.surface != id) return false;
-      footprint_bytes_ -= BytesOf(member.patch);
+      footprint_bytes_ -= FootprintBytes(member);
       return true;
     });
     if (cell->second.members.empty()) cells_.erase(cell);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <map>
@@ -29,9 +30,18 @@ constexpr SurfaceId kNoSurface = 0;
 /// What stays wrong with a patch however many points it has (pixel locking, calibration).
 constexpr double kSystematic_m = 0.003;
 
+/// What one leaf covers, in the axes of its patch's plane [m], in a quarter of the memory of a Footprint.
+/// Half the digits of a float are finer than a tenth of a millimetre here.
+struct SmallFootprint {
+  std::array<Eigen::half, 2> centre;
+  std::array<Eigen::half, 2> half_long;  ///< from the centre to the middle of one edge
+  Eigen::half half_short;                ///< length of the other half edge, across the first
+};
+
 /// A patch of the map, and what it is part of.
 struct Member {
-  Patch patch;
+  Patch patch;  ///< its footprints are kept below
+  std::vector<SmallFootprint> footprints;
   Eigen::Vector3d mean_world;
   Eigen::Vector3d low_world, high_world;  ///< box around its leaves
   double angle_sigma_rad = 0.0;           ///< how well its own normal is known

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,17 +10,11 @@
 #include <Eigen/Core>
 
 #include "polygonization/far_surface.h"
+#include "polygonization/map_reach.h"
 #include "polygonization/polygon_map.h"
 #include "polygonization/surface_store.h"
 
 namespace terrace {
-
-/// How far from the camera what is known of the map.
-struct MapReach {
-  double window_m = std::numeric_limits<double>::infinity();  ///< evidence, from which it can still change
-  double keep_beyond_m = std::numeric_limits<double>::infinity();  ///< anything at all
-  double cell_size_m = 0.32;                                       ///< edge of the cells of patches
-};
 
 /// Keeps in the store the surfaces that lie within the window, with those that meet them, since those are
 /// asked when an outline is traced. Of the others it keeps what is needed to put them back when the camera
