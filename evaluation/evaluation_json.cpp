@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -239,6 +240,9 @@ Json TimeJson(const Evaluation& evaluation) {
   Json json;
   json["frames"] = stats.frames;
   json["tracked"] = stats.tracked;
+  json["bridged"] =
+      std::count_if(evaluation.frames.begin(), evaluation.frames.end(),
+                    [](const ResultFrame& frame) { return frame.status == TrackingStatus::kBridging; });
   json["dropped"] = stats.dropped;
   json["rate_hz"] = stats.rate_hz;
   json["peak_rss_mib"] = stats.peak_rss_mib;

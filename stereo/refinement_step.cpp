@@ -67,9 +67,8 @@ struct WindowSums {
   VecF n, g, e, gg, ge, ee;
 };
 
-/// The window's pixels one by one, those of other surfaces left out. Not inlined: few windows need it, and
-/// the others keep their constants in registers.
-HWY_NOINLINE WindowSums SumsOfSurface(const ResidualRow* rows, int u, std::int16_t max_jump) {
+/// The window's pixels one by one, those of other surfaces left out.
+HWY_INLINE WindowSums SumsOfSurface(const ResidualRow* rows, int u, std::int16_t max_jump) {
   const TagF df;
   const TagHalf16 d16;
   const bool steep = rows[kReach].any_steep;

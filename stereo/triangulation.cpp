@@ -13,6 +13,9 @@ const float kSigmaOfUnitSquare = 1.0f / std::sqrt(12.0f);
 constexpr int kMaxStep = 16;
 constexpr int kUncertainStep = 4;
 
+/// 12 is 8 + 4: 4.
+int LowestBit(int i) { return i & -i; }
+
 }  // namespace
 
 std::vector<std::string> CloudConfig::Problems() const {
@@ -46,10 +49,13 @@ Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, c
     // The white fields of a chessboard; coarser steps lie on them, too.
     for (int u = v & 1; u < disparities.cols; u += 2) {
       const float d = d_row[u];
-      if (!(d > 0.0f) || (mask_row && mask_row[u] == 0)) continue;
+      // The widest of the grids that hold the pixel; from there on that it would be too narrow, it is
+      // skipped.
+      const int widest = LowestBit(u | v | kMaxStep);
+      const bool skipped = widest < kMaxStep && d >= crowded_px * static_cast<float>(2 * widest);
+      if (skipped || !(d > 0.0f) || (mask_row && mask_row[u] == 0)) continue;
       int step = 1;
       while (step < kMaxStep && d >= crowded_px * static_cast<float>(2 * step)) step *= 2;
-      if (((u | v) & (step - 1)) != 0) continue;
       const float z = fb / d;
       const float sigma_z = z / d * sigma_row[u];  // |dz/dd| = f b / d^2
       const bool certain = sigma_z <= max_sigma_m;

@@ -123,7 +123,7 @@ class EvaluationTest : public ::testing::Test {
     for (int i = 0; i < 20; ++i) {
       // Latency grows by 2 ms with each 1000 cells, and by 10 ms with each 100 regions.
       frames += Json{{"t_capture_ns", 1'600'000'010'000'000'000 + i * 1'000'000'000LL},
-                     {"status", "tracking"},
+                     {"status", i == 7 || i == 8 ? "bridging" : "tracking"},
                      {"reason", ""},
                      {"covariance", std::vector<double>(36, 0.0)},
                      {"latency_ms", 30.0 + 2.0 * i},
@@ -165,6 +165,7 @@ TEST_F(EvaluationTest, WritesTheFiguresThatOtherProgramsRead) {
   EXPECT_NEAR(json["feet"]["unsupported_pct"].get<double>(), 0.0, 1e-9);
   EXPECT_TRUE(json["feet"]["offered_pct"].is_null());  // no label image says what was well seen
   EXPECT_EQ(json["staircases"]["recall"], 0.0);        // none was reported
+  EXPECT_EQ(json["time"]["bridged"], 2);
   EXPECT_NEAR(json["time"]["latency_growth"]["ms_per_1000_cells"].get<double>(), 2.0, 1e-9);
   EXPECT_NEAR(json["time"]["latency_growth"]["ms_per_100_regions"].get<double>(), 10.0, 1e-9);
   EXPECT_FALSE(json.contains("disparity"));
