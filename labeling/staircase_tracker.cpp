@@ -80,6 +80,13 @@ bool PracticallyEqual(const Staircase& a, const Staircase& b) {
          std::abs(a.confidence - b.confidence) < kConfidence;
 }
 
+/// True when the laws cannot both be right.
+bool Contradict(const FoundStaircase& told, const FoundStaircase& now) {
+  return told.model.spiral != now.model.spiral ||
+         std::abs(told.model.rise_m - now.model.rise_m) > told.rise_sigma_m + now.rise_sigma_m ||
+         std::abs(told.model.run_m - now.model.run_m) > told.run_sigma_m + now.run_sigma_m;
+}
+
 /// How far from the foot edge what is seen of a flight begins [steps].
 double StepsFromFoot(const FoundStaircase& found) {
   int lowest = found.num_risers;
@@ -173,6 +180,18 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
     told = std::move(now);
     return;
   }
+  // What a single frame says against all that were before it may be wrong, the more so when it knows less.
+  constexpr int kPatience = 8;
+  constexpr double kClearly = 0.8;
+  track.num_other_law = Contradict(told, now) ? track.num_other_law + 1 : 0;
+  const bool better = now.run_sigma_m < kClearly * told.run_sigma_m;
+  const bool worse = told.run_sigma_m < kClearly * now.run_sigma_m;
+  const int enough = better ? 1 : worse ? kPatience * num_frames_ : num_frames_;
+  if (track.num_other_law > 0 && track.num_other_law < enough) {
+    track.rests = true;  // its regions as they were
+    return;
+  }
+  track.num_other_law = 0;
   // A step that is hidden for some time is still there, and one that appears in a single frame may not be.
   const int below = StepsBelow(told, now);
   const bool fewer = below >= 0 && now.num_risers + below <= told.num_risers;
@@ -185,7 +204,6 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
     track.num_other_count = again ? track.num_other_count + 1 : 1;
     track.other_count = now.num_risers;
     track.other_below = below;
-    constexpr int kPatience = 8;
     const bool long_enough = track.num_other_count >= (fewer ? kPatience * num_frames_ : num_frames_);
     if (!long_enough && !fewer) {
       track.rests = true;  // its regions as they were

@@ -123,6 +123,29 @@ TEST_F(StaircaseTrackerTest, KeepsTheWidthWhileASideIsOutOfView) {
   EXPECT_NEAR(told().width_m, 1.2, 1e-9);
 }
 
+TEST_F(StaircaseTrackerTest, BelievesAnotherLawAtOnceOnlyWhenItIsBetterKnown) {
+  See(Found(1, 6), kFrames);
+  FoundStaircase worse = Found(1, 6);
+  worse.model.run_m = 0.36;
+  worse.run_sigma_m = 0.02;
+  See(worse, 2 * kFrames);
+  EXPECT_EQ(told().tread_m, 0.28) << "badly known, and against all that was seen";
+  See(Found(1, 6));
+  FoundStaircase other = Found(1, 6);
+  other.model.run_m = 0.30;
+  See(other, kFrames - 1);
+  EXPECT_EQ(told().tread_m, 0.28);
+  See(Found(1, 6));
+  See(other, kFrames - 1);
+  EXPECT_EQ(told().tread_m, 0.28) << "not often enough in a row";
+  See(other);
+  EXPECT_EQ(told().tread_m, 0.30);
+  FoundStaircase better = Found(1, 6);
+  better.run_sigma_m = 0.001;
+  See(better);
+  EXPECT_EQ(told().tread_m, 0.28);
+}
+
 TEST_F(StaircaseTrackerTest, ForgetsOneThatIsNoLongerFoundAndNeverUsesItsIdAgain) {
   See(Found(1, 6), kFrames);
   for (int i = 0; i < kFrames; ++i) tracker_.Update({}, table_);
