@@ -93,7 +93,8 @@ std::vector<bool> LabelRules::PartOfLargeGround() const {
   // together they are wide enough both ways.
   const int n = static_cast<int>(scene_.shapes.size());
   const double edge = config_.min_walkway_edge_m;
-  // The raster of LargestSquare has cells of a tenth; a box too narrow by less than that is told by its sides.
+  // The raster of LargestSquare has cells of a tenth; a box too narrow by less than that is told by its
+  // sides.
   const double large_square = 0.9 * edge;
   constexpr double kOutline = 0.01;  // how well outlines are known
   std::vector<bool> large(n, false);

@@ -211,6 +211,8 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
     }
     if (long_enough) {
       track.num_other_count = 0;
+      // More steps at the top do not say that those at the foot, hidden now, are gone.
+      if (!fewer && below > 0) CountFromBelow(now, below);
     } else {
       if (below > 0) CountFromBelow(now, below);
       now.num_risers = told.num_risers;

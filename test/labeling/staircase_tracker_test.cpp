@@ -76,6 +76,14 @@ TEST_F(StaircaseTrackerTest, KeepsTheCountWhileStepsAtEitherEndAreHidden) {
   EXPECT_EQ(tracker_.confirmed().begin()->second.places.back().step_index, 6);
 }
 
+TEST_F(StaircaseTrackerTest, KeepsTheStepsAtTheFootWhileMoreAppearAtTheTop) {
+  See(Found(1, 4), kFrames);
+  See(Found(2, 6), 2 * kFrames);
+  EXPECT_EQ(told().num_risers, 6);
+  EXPECT_NEAR(told().base_world().x(), 3.0, 1e-6);
+  EXPECT_NEAR(told().base_world().z(), 0.0, 1e-6);
+}
+
 TEST_F(StaircaseTrackerTest, BelievesMoreStepsWhenTheyAreSeenForSomeTime) {
   See(Found(1, 4), kFrames);
   See(Found(1, 6));
