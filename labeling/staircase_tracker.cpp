@@ -80,11 +80,18 @@ bool PracticallyEqual(const Staircase& a, const Staircase& b) {
          std::abs(a.confidence - b.confidence) < kConfidence;
 }
 
-/// True when the laws cannot both be right.
-bool Contradict(const FoundStaircase& told, const FoundStaircase& now) {
-  return told.model.spiral != now.model.spiral ||
-         std::abs(told.model.rise_m - now.model.rise_m) > told.rise_sigma_m + now.rise_sigma_m ||
-         std::abs(told.model.run_m - now.model.run_m) > told.run_sigma_m + now.run_sigma_m;
+/// In how many frames in a row a new law must be found before it is believed: 0 when both may be right.
+/// What a single frame says against all that were before it may be wrong, the more so when it knows less.
+int FramesToBelieve(const FoundStaircase& told, const FoundStaircase& now, int num_frames, int patience) {
+  constexpr double kBetter = 0.8, kWorse = 2.0;  // of two standard deviations
+  if (told.model.spiral != now.model.spiral) return num_frames;
+  const auto frames = [&](double a, double sigma_a, double b, double sigma_b) {
+    if (std::abs(a - b) <= sigma_a + sigma_b) return 0;
+    if (sigma_b < kBetter * sigma_a) return 1;
+    return sigma_b > kWorse * sigma_a ? patience * num_frames : num_frames;
+  };
+  return std::max(frames(told.model.rise_m, told.rise_sigma_m, now.model.rise_m, now.rise_sigma_m),
+                  frames(told.model.run_m, told.run_sigma_m, now.model.run_m, now.run_sigma_m));
 }
 
 /// How far from the foot edge what is seen of a flight begins [steps].
@@ -180,14 +187,10 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
     told = std::move(now);
     return;
   }
-  // What a single frame says against all that were before it may be wrong, the more so when it knows less.
   constexpr int kPatience = 8;
-  constexpr double kClearly = 0.8;
-  track.num_other_law = Contradict(told, now) ? track.num_other_law + 1 : 0;
-  const bool better = now.run_sigma_m < kClearly * told.run_sigma_m;
-  const bool worse = told.run_sigma_m < kClearly * now.run_sigma_m;
-  const int enough = better ? 1 : worse ? kPatience * num_frames_ : num_frames_;
-  if (track.num_other_law > 0 && track.num_other_law < enough) {
+  const int enough = FramesToBelieve(told, now, num_frames_, kPatience);
+  track.num_other_law = enough > 0 ? track.num_other_law + 1 : 0;
+  if (track.num_other_law < enough) {
     track.rests = true;  // its regions as they were
     return;
   }

@@ -154,6 +154,16 @@ TEST_F(StaircaseTrackerTest, BelievesAnotherLawAtOnceOnlyWhenItIsBetterKnown) {
   EXPECT_EQ(told().tread_m, 0.28);
 }
 
+TEST_F(StaircaseTrackerTest, BelievesNoOtherRiseForARunThatIsBetterKnown) {
+  See(Found(1, 6), kFrames);
+  FoundStaircase other = Found(1, 6);
+  other.model.rise_m = 0.155;
+  other.rise_sigma_m = 0.010;
+  other.run_sigma_m = 0.001;
+  See(other, 2 * kFrames);
+  EXPECT_EQ(told().riser_m, 0.17);
+}
+
 TEST_F(StaircaseTrackerTest, ForgetsOneThatIsNoLongerFoundAndNeverUsesItsIdAgain) {
   See(Found(1, 6), kFrames);
   for (int i = 0; i < kFrames; ++i) tracker_.Update({}, table_);
