@@ -93,8 +93,10 @@ std::vector<bool> LabelRules::PartOfLargeGround() const {
   // together they are wide enough both ways.
   const int n = static_cast<int>(scene_.shapes.size());
   const double edge = config_.min_walkway_edge_m;
-  // The raster of LargestSquare has cells of a tenth.
+  // The raster of LargestSquare has cells of a tenth; a box too narrow by less than that is told by its
+  // sides.
   const double large_square = 0.9 * edge;
+  constexpr double kOutline = 0.01;  // how well outlines are known
   std::vector<bool> large(n, false);
   std::vector<bool> done(n, false);
   for (int start = 0; start < n; ++start) {
@@ -107,7 +109,7 @@ std::vector<bool> LabelRules::PartOfLargeGround() const {
     PlanRing corners;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       const RegionShape& s = *scene_.shapes[pieces[k]];
-      any_large |= s.largest_square_m >= large_square;
+      any_large |= s.largest_square_m >= large_square && s.rectangle.depth_m >= edge - kOutline;
       area += s.area_m2;
       corners.insert(corners.end(), s.plan.front().begin(), s.plan.front().end());
       for (const auto& [j, link] : scene_.graph.neighbors()[pieces[k]]) {

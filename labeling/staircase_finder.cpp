@@ -33,13 +33,15 @@ std::optional<FoundStaircase> Complete(const StaircaseConfig& config,
   return WeighFlight(config, shapes, *flight, ends, sight, known);
 }
 
-/// True when a shape lies among the steps of a flight: at its place, and about as high as its law is there.
-/// What does is one of its steps, or a thing that lies on them, and no other flight.
+/// True when a shape lies among the steps of a flight or continues them to a side: at its place, and about as
+/// high as its law is there. What does is one of its steps, or a thing that lies on them, and no other
+/// flight.
 bool LiesWithin(const FoundStaircase& staircase, const RegionShape& shape) {
   const FlightModel& model = staircase.model;
   const PlacedFrame placed = FrameOf(model);
   const Interval lateral = placed.frame->LateralExtent(shape);
-  if (lateral.Overlap(placed.lateral) < 0.5 * lateral.length()) return false;
+  constexpr double kBeside = 0.1;
+  if (lateral.Overlap(placed.lateral) < -kBeside) return false;
   const double step = (shape.centroid.z() - model.foot_z) / model.rise_m;
   const double edge = placed.foot_along_m + (step - 1.0) * model.run_m;
   const double along = placed.frame->Unwrapped(placed.frame->AlongExtent(shape, lateral).middle(), edge);

@@ -80,6 +80,20 @@ bool PracticallyEqual(const Staircase& a, const Staircase& b) {
          std::abs(a.confidence - b.confidence) < kConfidence;
 }
 
+/// In how many frames in a row a new law must be found before it is believed: 0 when both may be right.
+/// What a single frame says against all that were before it may be wrong, the more so when it knows less.
+int FramesToBelieve(const FoundStaircase& told, const FoundStaircase& now, int num_frames, int patience) {
+  constexpr double kBetter = 0.8, kWorse = 2.0;  // of two standard deviations
+  if (told.model.spiral != now.model.spiral) return num_frames;
+  const auto frames = [&](double a, double sigma_a, double b, double sigma_b) {
+    if (std::abs(a - b) <= sigma_a + sigma_b) return 0;
+    if (sigma_b < kBetter * sigma_a) return 1;
+    return sigma_b > kWorse * sigma_a ? patience * num_frames : num_frames;
+  };
+  return std::max(frames(told.model.rise_m, told.rise_sigma_m, now.model.rise_m, now.rise_sigma_m),
+                  frames(told.model.run_m, told.run_sigma_m, now.model.run_m, now.run_sigma_m));
+}
+
 /// How far from the foot edge what is seen of a flight begins [steps].
 double StepsFromFoot(const FoundStaircase& found) {
   int lowest = found.num_risers;
@@ -173,6 +187,14 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
     told = std::move(now);
     return;
   }
+  constexpr int kPatience = 8;
+  const int enough = FramesToBelieve(told, now, num_frames_, kPatience);
+  track.num_other_law = enough > 0 ? track.num_other_law + 1 : 0;
+  if (track.num_other_law < enough) {
+    track.rests = true;  // its regions as they were
+    return;
+  }
+  track.num_other_law = 0;
   // A step that is hidden for some time is still there, and one that appears in a single frame may not be.
   const int below = StepsBelow(told, now);
   const bool fewer = below >= 0 && now.num_risers + below <= told.num_risers;
@@ -185,7 +207,6 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
     track.num_other_count = again ? track.num_other_count + 1 : 1;
     track.other_count = now.num_risers;
     track.other_below = below;
-    constexpr int kPatience = 8;
     const bool long_enough = track.num_other_count >= (fewer ? kPatience * num_frames_ : num_frames_);
     if (!long_enough && !fewer) {
       track.rests = true;  // its regions as they were
@@ -193,6 +214,8 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
     }
     if (long_enough) {
       track.num_other_count = 0;
+      // More steps at the top do not say that those at the foot, hidden now, are gone.
+      if (!fewer && below > 0) CountFromBelow(now, below);
     } else {
       if (below > 0) CountFromBelow(now, below);
       now.num_risers = told.num_risers;

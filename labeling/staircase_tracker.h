@@ -59,6 +59,7 @@ class StaircaseTracker {
     bool told = false;
     bool away = false;        ///< none of its regions is looked at
     bool rests = false;       ///< found now, but not believed: places stay as they were
+    int num_other_law = 0;    ///< frames in a row that contradicted what is told
     int num_other_count = 0;  ///< frames in a row that counted `other_count` steps from `other_below` on
     int other_count = 0;
     int other_below = 0;

@@ -3,8 +3,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace terrace {
+namespace {
+
+/// Distance of a point from the piece itself; of one that leans, its plan is searched, which is exact inside.
+double DistanceTo(const RegionShape& shape, const Eigen::Vector3d& p) {
+  if (shape.lean == Lean::kUpright) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const FaceColumn& column : shape.columns) {
+      const double z = std::clamp(p.z(), column.bottom_m, column.top_m);
+      least = std::min(least, (shape.FacePoint(column.along_m, z) - p).norm());
+    }
+    return least;
+  }
+  const Eigen::Vector3d foot = shape.plane.Project(p);
+  Eigen::Vector2d q;
+  if (shape.PlanDistance(foot.head<2>(), &q) <= 0.0) return (foot - p).norm();
+  return (Eigen::Vector3d(q.x(), q.y(), shape.HeightAt(q)) - p).norm();
+}
+
+}  // namespace
 
 void ViewMemory::JudgeTop(const RegionShape& face, const Eigen::Isometry3d& T_left_level,
                           Memory& memory) const {
@@ -48,8 +68,11 @@ void ViewMemory::Look(const ShapeTable& table, const Eigen::Isometry3d& T_level_
     const auto [entry, fresh] = memories_.try_emplace(shape->id());
     Memory& memory = entry->second;
     if (fresh || shape->polygon->last_seen >= t_now) {
-      const double distance = std::sqrt(shape->bounds.squaredExteriorDistance(T_level_left.translation()));
-      memory.nearest_m = fresh ? distance : std::min(memory.nearest_m, distance);
+      const Eigen::Vector3d eye = T_level_left.translation();
+      // What a box around it says is quick to find, and never more.
+      const double at_least = std::sqrt(shape->bounds.squaredExteriorDistance(eye));
+      if (fresh) memory.nearest_m = std::numeric_limits<double>::infinity();
+      if (at_least < memory.nearest_m) memory.nearest_m = std::min(memory.nearest_m, DistanceTo(*shape, eye));
       if (shape->lean == Lean::kUpright) JudgeTop(*shape, T_left_level, memory);
     }
     tops_.push_back(memory.num_seen + memory.num_cut == 0 ? TopView::kNotJudged

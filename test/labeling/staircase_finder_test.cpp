@@ -269,6 +269,14 @@ TEST(StaircaseFinderTest, FindsNoSecondFlightAmongTheStepsOfOne) {
   EXPECT_EQ(FindFromBelow(scene).size(), 1u);
 }
 
+TEST(StaircaseFinderTest, TakesStepsThatGoOnToASideForTheSameFlight) {
+  // Of one side the fronts are hidden, so that it does not obey the law of the other.
+  LabelScene scene = OpenFlight(5, 0.28, 5.0);
+  for (int k = 1; k <= 5; ++k)
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + 0.28 * (k - 1) + 0.21, 0.78, 0.155 * k}, 0.2, 0.55);
+  EXPECT_EQ(FindFromBelow(scene).size(), 1u);
+}
+
 TEST(StaircaseFinderTest, TakesStripsForStepsOnlyWhereTheyAreHigherThanNoiseHides) {
   const auto candidates = [](double rms_m, double noise_m) {
     std::vector<RegionShapePtr> shapes = InclineInStrips(rms_m);

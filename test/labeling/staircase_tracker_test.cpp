@@ -76,6 +76,14 @@ TEST_F(StaircaseTrackerTest, KeepsTheCountWhileStepsAtEitherEndAreHidden) {
   EXPECT_EQ(tracker_.confirmed().begin()->second.places.back().step_index, 6);
 }
 
+TEST_F(StaircaseTrackerTest, KeepsTheStepsAtTheFootWhileMoreAppearAtTheTop) {
+  See(Found(1, 4), kFrames);
+  See(Found(2, 6), 2 * kFrames);
+  EXPECT_EQ(told().num_risers, 6);
+  EXPECT_NEAR(told().base_world().x(), 3.0, 1e-6);
+  EXPECT_NEAR(told().base_world().z(), 0.0, 1e-6);
+}
+
 TEST_F(StaircaseTrackerTest, BelievesMoreStepsWhenTheyAreSeenForSomeTime) {
   See(Found(1, 4), kFrames);
   See(Found(1, 6));
@@ -121,6 +129,39 @@ TEST_F(StaircaseTrackerTest, KeepsTheWidthWhileASideIsOutOfView) {
   part.rise_sigma_m = part.run_sigma_m = 0.001;  // better known otherwise
   See(part, kFrames);
   EXPECT_NEAR(told().width_m, 1.2, 1e-9);
+}
+
+TEST_F(StaircaseTrackerTest, BelievesAnotherLawAtOnceOnlyWhenItIsBetterKnown) {
+  See(Found(1, 6), kFrames);
+  FoundStaircase worse = Found(1, 6);
+  worse.model.run_m = 0.36;
+  worse.run_sigma_m = 0.02;
+  See(worse, 2 * kFrames);
+  EXPECT_EQ(told().tread_m, 0.28) << "badly known, and against all that was seen";
+  See(Found(1, 6));
+  FoundStaircase other = Found(1, 6);
+  other.model.run_m = 0.30;
+  See(other, kFrames - 1);
+  EXPECT_EQ(told().tread_m, 0.28);
+  See(Found(1, 6));
+  See(other, kFrames - 1);
+  EXPECT_EQ(told().tread_m, 0.28) << "not often enough in a row";
+  See(other);
+  EXPECT_EQ(told().tread_m, 0.30);
+  FoundStaircase better = Found(1, 6);
+  better.run_sigma_m = 0.001;
+  See(better);
+  EXPECT_EQ(told().tread_m, 0.28);
+}
+
+TEST_F(StaircaseTrackerTest, BelievesNoOtherRiseForARunThatIsBetterKnown) {
+  See(Found(1, 6), kFrames);
+  FoundStaircase other = Found(1, 6);
+  other.model.rise_m = 0.155;
+  other.rise_sigma_m = 0.010;
+  other.run_sigma_m = 0.001;
+  See(other, 2 * kFrames);
+  EXPECT_EQ(told().riser_m, 0.17);
 }
 
 TEST_F(StaircaseTrackerTest, ForgetsOneThatIsNoLongerFoundAndNeverUsesItsIdAgain) {
