@@ -108,19 +108,27 @@ Table<Row> ReadTable(const std::filesystem::path& path, char separator, const st
   return table;
 }
 
-/// Puts the rows of a table in the order of their times, and says so. @param noun  what a row is: "image".
+/// Leaves out of a table as few rows as possible so that their times rise, and says so: for rows whose order
+/// is known otherwise. @param noun  what a row is: "image".
 template <typename Row>
 void LeaveOutTimeJumps(const std::filesystem::path& path, const std::string& noun, Table<Row>* table) {
+  table->num_time_jumps += KeepRising(&table->rows, [](const Row& row) { return row.t; });
+  if (table->num_time_jumps > 0) {
+    table->warnings.push_back(path.string() + ": " + Counted(table->num_time_jumps, noun) +
+                              " left out: time stamps must rise");
+  }
+}
+
+/// Puts the rows of a table in the order of their times, leaves out what has no place there, and says so.
+template <typename Row>
+void SortByTime(const std::filesystem::path& path, const std::string& noun, Table<Row>* table) {
   const OrderedRows ordered = OrderByTime(&table->rows, [](const Row& row) { return row.t; });
   table->num_time_jumps = ordered.num_left_out;
   if (ordered.num_moved > 0) {
     table->warnings.push_back(path.string() + ": " + Counted(ordered.num_moved, noun) +
                               " not in the order of their times: sorted");
   }
-  if (table->num_time_jumps > 0) {
-    table->warnings.push_back(path.string() + ": " + Counted(table->num_time_jumps, noun) +
-                              " left out: time stamps must rise");
-  }
+  LeaveOutTimeJumps(path, noun, table);
 }
 
 }  // namespace terrace

@@ -58,15 +58,16 @@ OrderedRows OrderByTime(std::vector<Row>* rows, TimeOf time_of) {
   rising.reserve(rows->size());
   for (const Row& row : *rows) rising.push_back(time_of(row));
   if (KeepRising(&rising, [](Timestamp t) { return t; }) == 0) return {};
-  constexpr std::size_t kNeverInOrder = 10;  // of so many rows one
-  const bool never = (rows->size() - rising.size()) * kNeverInOrder > rows->size();
+  const std::size_t num_elsewhere = rows->size() - rising.size();
+  constexpr std::size_t kFewest = 3, kNeverInOrder = 10;  // of so many rows one
+  const bool never = num_elsewhere >= kFewest && num_elsewhere * kNeverInOrder > rows->size();
 
   std::stable_sort(rows->begin(), rows->end(),
                    [&](const Row& a, const Row& b) { return time_of(a) < time_of(b); });
   std::vector<std::int64_t> steps;
   for (std::size_t i = 1; i < rising.size(); ++i) steps.push_back(rising[i].ns - rising[i - 1].ns);
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  const std::int64_t gap_ns = steps.empty() ? 0 : steps[steps.size() / 2] * 3 / 2;
+  std::sort(steps.begin(), steps.end());
+  const std::int64_t gap_ns = steps.empty() ? 0 : steps[(steps.size() - 1) / 2] * 3 / 2;
 
   OrderedRows counts;
   std::vector<Row> kept;
