@@ -70,9 +70,10 @@ std::optional<std::string> ColumnMonitor::Update(const Window& window, const std
   offset_px_ = (before * offset_px_ + news * best.offset_px) / (before + news);
   // A robot that stands learns nothing new, and forgets nothing.
   if (news > 0.01 * information_) information_ = std::max(before, news);
-  const double off = std::abs(offset_px_), sigmas = off / sigma_px();
-  const bool was_off =
-      std::exchange(is_off_, sigmas > kOffSigmas && off > (is_off_ ? 0.7 * kOff_px : kOff_px));
+  // It takes evidence to be off, and evidence to be right again: not to know is neither.
+  const double off = std::abs(offset_px_), sigma = sigma_px();
+  const bool seems_off = is_off_ ? off + 2.0 * sigma > kOff_px : off > kOff_px && off > kOffSigmas * sigma;
+  const bool was_off = std::exchange(is_off_, seems_off);
   if (was_off == is_off_) return std::nullopt;
   return is_off_ ? Reason() : "the columns of the right image are where they should be again";
 }
