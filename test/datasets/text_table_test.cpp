@@ -70,6 +70,13 @@ TEST(TableTest, SurvivesLinesWithAMillionColumnsAndBinaryRubbish) {
   EXPECT_THAT(ReadNumbers(std::string("1,2\n\0\xff\x80,\0\n3,4\n", 13)).rows, ElementsAre(2, 4));
 }
 
+TEST(TableTest, AByteOrderMarkCostsNoRow) {
+  EXPECT_THAT(ReadNumbers("\xEF\xBB\xBF"
+                          "1,2\n3,4\n")
+                  .rows,
+              ElementsAre(2, 4));
+}
+
 TEST(KeepRisingTest, LeavesOutOneWildTimeAndNotAllThatFollow) {
   const auto kept = [](std::vector<std::int64_t> times) {
     const std::size_t num_times = times.size();
