@@ -14,6 +14,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "lcmtypes/default_url.h"
+
 namespace terrace {
 namespace {
 
@@ -291,6 +293,7 @@ class Loader {
 Config LoadConfig(const std::optional<std::filesystem::path>& file,
                   const std::vector<std::string>& settings) {
   Config config;
+  config.live.url = DefaultUrl(config.live.url);
   Loader loader(&config);
   if (file) loader.ReadFile(*file);
   for (const std::string& setting : settings) loader.ReadSetting(setting);

@@ -8,8 +8,8 @@ namespace terrace {
 
 /// How the live daemon listens and speaks. YAML section: `lcm`.
 struct LiveConfig {
-  /// LCM provider. A receive buffer of 2 MB keeps images whole; net.core.rmem_max must allow it
-  /// (config/60-terrace-lcm.conf).
+  /// LCM provider; the environment variable LCM_DEFAULT_URL stands in for a key that is not given. A receive
+  /// buffer of 2 MB keeps images whole; net.core.rmem_max must allow it (config/60-terrace-lcm.conf).
   std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
   /// Calibration of the rig, as files of any tool or device that `terrace calibration` reads, several of them with
   /// commas between, or a folder that holds mav0/. Empty: it comes as a message.

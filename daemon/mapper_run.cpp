@@ -1,18 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/mapper_run.h"
 
+#include <tuple>
 #include <utility>
 
 #include "core/check.h"
+#include "core/print.h"
+#include "daemon/config.h"
 #include "daemon/self_mask.h"
+#include "stereo/rectifier.h"
 
 namespace terrace {
+namespace {
+
+/// Throws ConfigError where the region of interest reaches out of the image, whose size is only known now.
+const PipelineConfig& WithinTheImage(const PipelineConfig& config, const StereoCalibration& calibration) {
+  const auto [width, height] = RectifiedSize(calibration, config.rectifier);
+  const DisparityConfig& stereo = config.stereo;
+  for (const auto& [side, start, length_name, length, size] :
+       {std::tuple{"left", stereo.roi_left_px, "width", stereo.roi_width_px, width},
+        std::tuple{"top", stereo.roi_top_px, "height", stereo.roi_height_px, height}}) {
+    if (start < size && start + length <= size) continue;
+    throw ConfigError(
+        Printed("stereo.roi_%s_px = %d, stereo.roi_%s_px = %d reach out of the rectified image, "
+                "whose %s is %d",
+                side, start, length_name, length, length_name, size));
+  }
+  return config;
+}
+
+}  // namespace
 
 MapperRun::MapperRun(const PipelineConfig& config, const StereoCalibration& calibration, Pace pace,
                      bool single_threaded)
     : pace_(pace),
       single_threaded_(single_threaded),
-      pipeline_(config, calibration, LoadSelfMask(config, calibration), pace) {
+      pipeline_(WithinTheImage(config, calibration), calibration, LoadSelfMask(config, calibration), pace) {
   TERRACE_CHECK(pace == Pace::kEveryFrame || !single_threaded);
 }
 

@@ -87,7 +87,11 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   const std::lock_guard lock(mapper_mutex_);
   // The map of another world has no place in this one.
   const bool new_world = std::exchange(epoch_, tracked.pose.epoch) != tracked.pose.epoch;
-  if (reset_requested_.exchange(false) || new_world) mapper_.Reset();
+  // What was mapped with a calibration that has turned out to be wrong is wrong from the beginning.
+  constexpr ReasonCode kBad = ReasonCode::kBadCalibration;
+  const bool found_bad =
+      tracked.pose.reason_code == kBad && last_tracked_ && last_tracked_->reason_code != kBad;
+  if (reset_requested_.exchange(false) || new_world || found_bad) mapper_.Reset();
   // A pose that is bridged or in doubt is a guess: it tells the robot where it is, but nothing is built on
   // it.
   FrameResult result;

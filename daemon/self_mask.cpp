@@ -7,6 +7,8 @@
 #include <functional>
 #include <utility>
 
+#include <opencv2/core.hpp>
+
 #include "daemon/config.h"
 #include "datasets/image_file.h"
 #include "stereo/rectifier.h"
@@ -168,7 +170,9 @@ void HideParts(const SelfMaskConfig& parts, const StereoCamera& camera, const Ei
     HidePart(capsule, camera, T_body_left, mask);
 }
 
-cv::Mat1b LoadSelfMask(const PipelineConfig& config, const StereoCalibration& calibration) {
+namespace {
+
+cv::Mat1b MakeSelfMask(const PipelineConfig& config, const StereoCalibration& calibration) {
   const std::string& png = config.terrain.robot.self_mask_png;
   const SelfMaskConfig& parts = config.self_mask;
   const bool is_raw = parts.self_mask_pixels == "raw";
@@ -194,6 +198,21 @@ cv::Mat1b LoadSelfMask(const PipelineConfig& config, const StereoCalibration& ca
   }
   if (mask.empty()) mask = cv::Mat1b(rectifier.camera().height, rectifier.camera().width, std::uint8_t{255});
   HideParts(parts, rectifier.camera(), *mounting.T_body_left, &mask);
+  return mask;
+}
+
+}  // namespace
+
+cv::Mat1b LoadSelfMask(const PipelineConfig& config, const StereoCalibration& calibration) {
+  cv::Mat1b mask = MakeSelfMask(config, calibration);
+  constexpr double kLeastSeen = 0.02;
+  const auto num_pixels = static_cast<double>(mask.total());
+  if (!mask.empty() && cv::countNonZero(mask) < kLeastSeen * num_pixels) {
+    const std::string& png = config.terrain.robot.self_mask_png;
+    throw ConfigError((png.empty() ? "robot.self_boxes_m, self_capsules_m" : "robot.self_mask_png = " + png) +
+                      " leaves less than 2 % of the image to see: in a mask, black is the robot itself and "
+                      "white is seen");
+  }
   return mask;
 }
 

@@ -11,8 +11,8 @@ namespace terrace {
 
 /// The image mask of the robot's own parts: 0 where the robot sees itself, of the rectified left image's
 /// size. Empty when nothing is configured. Throws ConfigError when the PNG cannot be read or has another size
-/// than its pixels say, when parts are given and the body is not known, and when the camera is inside one of
-/// them.
+/// than its pixels say, when parts are given and the body is not known, when the camera is inside one of
+/// them, and when nothing is left to see.
 cv::Mat1b LoadSelfMask(const PipelineConfig& config, const StereoCalibration& calibration);
 
 /// Hides what a camera sees of parts of its body.

@@ -262,7 +262,7 @@ std::vector<Row> ReadOptionalSensor(const fs::path& csv, const std::string& rule
                                     const std::vector<ClockOffset>& clock, Problems* warnings) {
   Table<Row> table = ReadTable<Row>(csv, ',', rule, parse);
   CountOn(clock, &table.rows);
-  LeaveOutTimeJumps(csv, "sample", &table);
+  SortByTime(csv, "sample", &table);
   if (!table.problem.empty()) warnings->push_back(table.problem + "; it is not used");
   warnings->insert(warnings->end(), table.warnings.begin(), table.warnings.end());
   return std::move(table.rows);
@@ -364,8 +364,8 @@ std::unique_ptr<Sequence> OpenEurocSequence(const fs::path& path) {
   const std::vector<ClockOffset> clock = OffsetsThatCountOn(TimesOf(left.rows));
   CountOn(clock, &left.rows);
   CountOn(clock, &right.rows);
-  LeaveOutTimeJumps(mav / "cam0" / "data.csv", "image", &left);
-  LeaveOutTimeJumps(mav / "cam1" / "data.csv", "image", &right);
+  SortByTime(mav / "cam0" / "data.csv", "image", &left);
+  SortByTime(mav / "cam1" / "data.csv", "image", &right);
   if (const auto sentence = SentenceAbout(clock))
     info.warnings.push_back((mav / "cam0" / "data.csv").string() + ": " + *sentence);
   for (const Table<ImageRow>* side : {&left, &right}) {

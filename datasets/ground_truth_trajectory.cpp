@@ -48,7 +48,7 @@ std::optional<Timestamp> ParseSeconds(std::string_view cell) {
 
 std::vector<TimedPose> Rising(Table<TimedPose> table) {
   if (!table.problem.empty()) throw FileError(table.problem);
-  KeepRising(&table.rows, [](const TimedPose& pose) { return pose.t; });
+  OrderByTime(&table.rows, [](const TimedPose& pose) { return pose.t; });
   return std::move(table.rows);
 }
 

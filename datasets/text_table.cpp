@@ -91,6 +91,8 @@ bool TableReader::Next() {
       return true;
     }
     std::string_view rest = Trimmed({input_->line, input_->file.eof() ? length : length - 1});
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // as some editors write it
+    if (line_number_ == 1 && rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
     if (rest.empty() || rest.front() == '#') continue;
     while (cells_.size() < kMaxCells) {
       const std::size_t cut = separator_ == ' ' ? rest.find_first_of(kBlanks) : rest.find(separator_);

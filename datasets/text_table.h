@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/time.h"
+#include "datasets/time_order.h"
 
 namespace terrace {
 
@@ -107,46 +108,27 @@ Table<Row> ReadTable(const std::filesystem::path& path, char separator, const st
   return table;
 }
 
-/// Leaves out as few rows as possible so that their times rise strictly; returns how many. One wild time
-/// stamp costs one row, not all that follow it.
-template <typename Row, typename TimeOf>
-std::int64_t KeepRising(std::vector<Row>* rows, TimeOf time_of) {
-  // Longest strictly rising subsequence by patience sorting: tails[k] is the row with the earliest time that
-  // ends a rising chain of k + 1 rows.
-  std::vector<std::size_t> tails;
-  std::vector<std::size_t> before(rows->size());
-  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  for (std::size_t i = 0; i < rows->size(); ++i) {
-    const Timestamp t = time_of((*rows)[i]);
-    const auto place = std::lower_bound(tails.begin(), tails.end(), t, [&](std::size_t j, Timestamp time) {
-      return time_of((*rows)[j]) < time;
-    });
-    before[i] = place == tails.begin() ? kNone : *(place - 1);
-    if (place == tails.end()) {
-      tails.push_back(i);
-    } else {
-      *place = i;
-    }
-  }
-  const std::int64_t num_left_out = static_cast<std::int64_t>(rows->size() - tails.size());
-  if (num_left_out == 0) return 0;
-  std::vector<std::size_t> chain;
-  for (std::size_t i = tails.back(); i != kNone; i = before[i]) chain.push_back(i);
-  std::vector<Row> kept;
-  kept.reserve(chain.size());
-  for (auto i = chain.rbegin(); i != chain.rend(); ++i) kept.push_back(std::move((*rows)[*i]));
-  *rows = std::move(kept);
-  return num_left_out;
-}
-
-/// The same for a table, with a warning. @param noun  what a row is: "image".
+/// Leaves out of a table as few rows as possible so that their times rise, and says so: for rows whose order
+/// is known otherwise. @param noun  what a row is: "image".
 template <typename Row>
 void LeaveOutTimeJumps(const std::filesystem::path& path, const std::string& noun, Table<Row>* table) {
-  table->num_time_jumps = KeepRising(&table->rows, [](const Row& row) { return row.t; });
+  table->num_time_jumps += KeepRising(&table->rows, [](const Row& row) { return row.t; });
   if (table->num_time_jumps > 0) {
     table->warnings.push_back(path.string() + ": " + Counted(table->num_time_jumps, noun) +
                               " left out: time stamps must rise");
   }
+}
+
+/// Puts the rows of a table in the order of their times, leaves out what has no place there, and says so.
+template <typename Row>
+void SortByTime(const std::filesystem::path& path, const std::string& noun, Table<Row>* table) {
+  const OrderedRows ordered = OrderByTime(&table->rows, [](const Row& row) { return row.t; });
+  table->num_time_jumps = ordered.num_left_out;
+  if (ordered.num_moved > 0) {
+    table->warnings.push_back(path.string() + ": " + Counted(ordered.num_moved, noun) +
+                              " not in the order of their times: sorted");
+  }
+  LeaveOutTimeJumps(path, noun, table);
 }
 
 }  // namespace terrace

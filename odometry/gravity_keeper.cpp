@@ -3,12 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <Eigen/Geometry>
 
 #include "core/print.h"
 
 namespace terrace {
+namespace {
+
+double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+}
+
+}  // namespace
 
 void GravityKeeper::Refine(const Eigen::Vector3d& down_world, double sigma_rad) {
   gravity_.down_world = down_world;
@@ -30,15 +38,38 @@ void GravityKeeper::FollowAttitude(const SensorSamples& samples, const PoseEstim
   for (const BodyPrior& prior : samples.priors)
     (prior.kind == PriorKind::kAttitude ? attitude : legs) = &prior;
   constexpr double kLeastAttitudeRad = 0.002, kLeastLegsRad = 0.0175;
-  if (attitude) {
-    const Down down = DownSaidBy(*attitude, kLeastAttitudeRad, pose);
-    if (Believes(down)) Follow(down, Followed::kAttitude);
-  }
+  std::optional<Down> by_attitude, by_legs;
+  if (attitude) by_attitude = DownSaidBy(*attitude, kLeastAttitudeRad, pose);
+  if (legs) by_legs = DownSaidBy(*legs, kLeastLegsRad, pose);
+  if (by_attitude && by_legs) Compare(*by_attitude, *by_legs);
+  if (by_attitude && Believes(*by_attitude)) Follow(*by_attitude, Followed::kAttitude);
   // Legs know roll and pitch, too, where nothing knows them better.
   const bool known_better =
       gravity_.source == GravitySource::kPlane ||
       (gravity_.source == GravitySource::kAttitude && followed_ == Followed::kAttitude && !attitude_refused_);
-  if (legs && !known_better) Follow(DownSaidBy(*legs, kLeastLegsRad, pose), Followed::kLegs);
+  if (by_legs && !known_better && !legs_refused_) Follow(*by_legs, Followed::kLegs);
+}
+
+/// Both turn as the images show, and yet lean apart: one of them is mounted or computed wrongly. A robot is
+/// started standing level more often than not, so the one is believed that says so rather.
+void GravityKeeper::Compare(const Down& by_attitude, const Down& by_legs) {
+  if (attitude_refused_ || legs_refused_) return;
+  constexpr double kMostSigmas = 5.0, kLeast_rad = 5.0 * M_PI / 180.0;
+  constexpr int kMostApart = 10;  // frames
+  const double off_rad = AngleBetween(by_attitude.down_world, by_legs.down_world);
+  const bool apart =
+      off_rad > std::max(kLeast_rad, kMostSigmas * std::hypot(by_attitude.sigma_rad, by_legs.sigma_rad));
+  num_apart_ = apart ? num_apart_ + 1 : std::max(0, num_apart_ - 1);
+  if (num_apart_ < kMostApart) return;
+  num_apart_ = 0;
+  legs_refused_ =
+      AngleBetween(by_attitude.down_world, down_if_level_) < AngleBetween(by_legs.down_world, down_if_level_);
+  attitude_refused_ = !legs_refused_;
+  num_agreed_ = 0;
+  const std::string apart_by =
+      Printed("the body attitude leans %.0f deg from the legs' roll and pitch: ", off_rad * 180.0 / M_PI);
+  warning_ = apart_by + (legs_refused_ ? "the legs' are not used" : "it is not used until they agree") +
+             ", as the other is nearer to a robot that was started standing level";
 }
 
 GravityKeeper::Down GravityKeeper::DownSaidBy(const BodyPrior& prior, double least_sigma_rad,
@@ -68,7 +99,7 @@ bool GravityKeeper::Believes(const Down& said) {
   if (gravity_.source != GravitySource::kAttitude && !attitude_refused_) return true;
   constexpr double kMostSigmas = 5.0;
   constexpr int kMostContradictions = 10, kEnoughAgreement = 30;  // readings
-  const double off_rad = std::acos(std::clamp(said.down_world.dot(gravity_.down_world), -1.0, 1.0));
+  const double off_rad = AngleBetween(said.down_world, gravity_.down_world);
   const bool can_be = off_rad < kMostSigmas * std::hypot(gravity_.sigma_rad, said.sigma_rad);
   if (attitude_refused_) {
     num_agreed_ = can_be ? num_agreed_ + 1 : 0;

@@ -182,6 +182,7 @@ void LandmarkTracker::FindInRight(const ImagePyramid& left, const ImagePyramid& 
   if (!Align(right[0], patch, start, kMaxIterations, kMaxShiftPx, alignment) ||
       alignment.agreement < kMinAgreement)
     return;
+  match.found_in_right = true;
   match.vertical_px = alignment.position.y() - uv.y();
   if (std::abs(match.vertical_px - vertical_px) > kMaxVerticalErrorPx) return;
   match.measurement.uvd.z() = uv.x() - alignment.position.x();

@@ -15,6 +15,8 @@ struct Match {
   int landmark = 0;  ///< index into Window::landmarks
   StereoMeasurement measurement;
   Projection predicted;      ///< where it was expected
+  /// In the right image, too, perhaps on a row where it cannot be.
+  bool found_in_right = false;
   double vertical_px = 0.0;  ///< v in the right image less v in the left one
   double scale = 1.0;        ///< size here over size in the host
   int level = 0;             ///< of the pyramid on which it was found at last

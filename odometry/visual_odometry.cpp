@@ -10,6 +10,7 @@
 #include "core/check.h"
 #include "core/print.h"
 #include "odometry/bridging.h"
+#include "odometry/column_monitor.h"
 #include "odometry/covariance.h"
 #include "odometry/credible.h"
 #include "odometry/floor_check.h"
@@ -22,6 +23,7 @@
 #include "odometry/motion_model.h"
 #include "odometry/pose_finder.h"
 #include "odometry/rotation.h"
+#include "odometry/row_changes.h"
 #include "odometry/standing_images.h"
 #include "odometry/turn_comparison.h"
 #include "odometry/vertical_monitor.h"
@@ -38,6 +40,8 @@ namespace {
 constexpr double kCorrelation = 4.5;
 /// Rad and m: no prediction is better than this.
 constexpr double kLeastSigma = 0.001;
+constexpr const char* kNotOfOneMoment =
+    "the rows of the right image come and go: the two images are not of one moment, one camera is late";
 
 }  // namespace
 
@@ -55,7 +59,8 @@ class VisualOdometry::Impl {
         optimizer_(camera, std::nullopt),
         archive_(camera, config.archived_keyframes),
         gravity_(config, mounting),
-        vertical_(config.max_vertical_disparity_px) {}
+        vertical_(config.max_vertical_disparity_px),
+        columns_(camera) {}
 
   PoseEstimate Track(const StereoFrame& frame, const SensorSamples& samples) {
     TERRACE_CHECK(frame.left.size() == cv::Size(camera_.width, camera_.height) &&
@@ -96,6 +101,7 @@ class VisualOdometry::Impl {
     for (const auto& warning : {motion_.legs().TakeWarning(), gravity_.TakeWarning()})
       if (warning) warnings_.push_back(*warning);
     if (const auto warning = vertical_.Update(found->matches, found->solution)) warnings_.push_back(*warning);
+    WatchPair(*found, pose);
     CountFates(*found, window_);
     NoteSightings(*found, window_, sightings_);
     const double age_s = Seconds(last_->t_capture - window_.keyframes.back().t_capture);
@@ -103,6 +109,9 @@ class VisualOdometry::Impl {
       AddKeyframe(frame, left, right, pose.T_world_left, *found);
       RefineWindow(&pose);
     }
+    // Measured on walks with a camera that is a frame late: accelerations are wrong by a share of the gait's.
+    constexpr double kUp_rad = 3.0 * M_PI / 180.0;
+    if (PairInDoubt()) gravity_.Doubt(kUp_rad);
     Remember(pose);
     return pose;
   }
@@ -128,6 +137,11 @@ class VisualOdometry::Impl {
   /// What is given out: with the epoch, and whether it may be mapped.
   PoseEstimate Published(PoseEstimate pose) const {
     pose.epoch = epoch_;
+    if (pose.status == TrackingStatus::kTracking && pose.reason.empty() && PairInDoubt()) {
+      const bool late = row_changes_.come_and_go();
+      pose.reason = late ? kNotOfOneMoment : columns_.Reason();
+      pose.reason_code = late ? ReasonCode::kInputTrouble : ReasonCode::kBadCalibration;
+    }
     pose.trusted = pose.status == TrackingStatus::kTracking && pose.reason.empty();
     return pose;
   }
@@ -153,7 +167,7 @@ class VisualOdometry::Impl {
                      const SensorSamples& samples, const KeyframeState& biases) {
     const WorldFrame world = LayWorld(frame, left, right, samples);
     if (!world.warning.empty() && warnings_.empty()) warnings_.push_back(world.warning);
-    gravity_.Start(world.gravity, world.without_imu);
+    gravity_.Start(world.gravity, world.without_imu, DownIfLevel(world.T_world_left));
     if (mounting_.T_left_imu)
       imu_check_ = ImuCheck(-((world.T_world_left.linear() * mounting_.T_left_imu->linear()).transpose() *
                               world.without_imu.down_world));
@@ -198,6 +212,11 @@ class VisualOdometry::Impl {
     warnings_.push_back(
         "the camera is turned far against the body's up; the floor confirms that it sits so on the robot");
     return world;
+  }
+
+  Eigen::Vector3d DownIfLevel(const Eigen::Isometry3d& T_world_left) const {
+    if (!mounting_.T_body_left) return -Eigen::Vector3d::UnitZ();
+    return -(T_world_left.linear() * mounting_.T_body_left->linear().transpose() * Eigen::Vector3d::UnitZ());
   }
 
   /// Where the camera has come to cannot be known any more: another world begins at this frame.
@@ -384,6 +403,18 @@ class VisualOdometry::Impl {
       motion_.legs().Refuse();
     witness_.Reset();
   }
+
+  /// What the landmarks' places in both images say of how the two cameras stand to each other.
+  void WatchPair(const PoseFinder::Found& found, const PoseEstimate& pose) {
+    if (row_changes_.Update(window_, found.matches)) warnings_.push_back(kNotOfOneMoment);
+    // Columns that come and go are those of a camera that is late, too.
+    if (row_changes_.come_and_go()) return;
+    const auto warning =
+        columns_.Update(window_, found.matches, pose.T_world_left, pose_finder_.noise_scale());
+    if (warning) warnings_.push_back(*warning);
+  }
+  /// Then distances are wrong, and the pose is off by a share of the way.
+  bool PairInDoubt() const { return row_changes_.come_and_go() || columns_.is_off(); }
 
   static std::string Apart(const Motion& predicted) {
     return std::string("the images show another motion than the ") + (predicted.by_imu ? "IMU" : "legs") +
@@ -579,6 +610,8 @@ class VisualOdometry::Impl {
   KeyframeArchive archive_;
   GravityKeeper gravity_;
   VerticalMonitor vertical_;
+  ColumnMonitor columns_;
+  RowChanges row_changes_;
   ImuCheck imu_check_;
   ImuWatch imu_watch_;
   TurnComparison turns_;

@@ -212,6 +212,30 @@ RowOffsets Middle(std::vector<Place> places) {
   return {.centre_px = middle->dy};
 }
 
+/// Patches do not turn along: where a camera is rolled by more than a degree, few are found, and those not
+/// exactly. What is known of it is taken away, and the rest measured again, as long as that helps.
+RowOffsets Turned(const cv::Mat1b& left, const cv::Mat1b& right, RowOffsets offsets, int num_disparities) {
+  constexpr float kTurned = 0.008f;  // radians, or share of the size
+  constexpr int kMostRounds = 4, kMargin = 2;
+  const auto width = static_cast<float>(left.cols);
+  cv::Mat1b straight;
+  for (int round = 0; round < kMostRounds; ++round) {
+    if (std::hypot(offsets.per_column, offsets.per_row) < kTurned) break;
+    StraightenRows(right, offsets, straight);
+    const std::vector<Place> places = MeasurePlaces(left, straight, {num_disparities, 1, {}, kMargin});
+    if (static_cast<int>(places.size()) < kMinPlaces) break;
+    const RowOffsets rest = Fit(places, width, Middle(places));
+    offsets.centre_px += rest.centre_px;
+    offsets.per_column += rest.per_column;
+    offsets.per_row += rest.per_row;
+    offsets.spread_px = rest.spread_px;
+    offsets.num_places = rest.num_places;
+    constexpr float kLittle = 0.001f;
+    if (std::hypot(rest.per_column, rest.per_row) < kLittle) break;
+  }
+  return offsets;
+}
+
 }  // namespace
 
 float RowOffsets::Rms(const cv::Size& size) const {
@@ -235,7 +259,7 @@ RowOffsets MeasureRowOffsets(const cv::Mat1b& left, const cv::Mat1b& right, int 
     const RowOffsets near = Fit(first, width, Middle(first));
     const std::vector<Place> places = MeasurePlaces(left, matched, {num_disparities, 1, near, 0});
     if (static_cast<int>(places.size()) < kMinPlaces) continue;
-    const RowOffsets offsets = Fit(places, width, near);
+    const RowOffsets offsets = Turned(left, matched, Fit(places, width, near), num_disparities);
     // What is not farther than the usual look reaches would have been found by it.
     const bool farther = Farthest(offsets, left.size()) > kUsualRowOffset;
     if (offsets.spread_px <= kMaxSpread && (margin == kUsualRowOffset || farther)) return offsets;

@@ -13,6 +13,7 @@
 #include "client/terrain_client.h"
 #include "daemon/interrupt.h"
 #include "lcmtypes/channels.h"
+#include "lcmtypes/default_url.h"
 #include "lcmtypes/open_bus.h"
 #include "lcmtypes/pose_codec.h"
 #include "lcmtypes/safe_decode.h"
@@ -28,7 +29,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct ListenOptions {
-  std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
+  std::string url = DefaultUrl();
   double seconds = 0.0;
 };
 

@@ -9,6 +9,7 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "daemon/interrupt.h"
+#include "lcmtypes/default_url.h"
 #include "lcmtypes/open_bus.h"
 #include "results/replay_result.h"
 #include "tools/bus.h"
@@ -20,7 +21,7 @@ namespace {
 
 struct ServeOptions {
   std::string result;
-  std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
+  std::string url = DefaultUrl();
   double seconds = 0.0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/config.h"
 
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -46,6 +47,17 @@ TEST_F(ConfigTest, TakesAWordWhereAWholeNumberMayBeChosen) {
 }
 
 TEST_F(ConfigTest, NeedsNoFile) { EXPECT_EQ(LoadConfig({}, {}).pipeline.stereo.max_disparity_px, 128); }
+
+TEST_F(ConfigTest, SpeaksWhereLcmsOwnProgramsDoUnlessItIsToldWhere) {
+  const std::string usual = LoadConfig({}, {}).live.url;
+  ASSERT_EQ(setenv("LCM_DEFAULT_URL", "udpm://239.255.76.99:7699?ttl=0", 1), 0);
+  EXPECT_EQ(LoadConfig({}, {}).live.url, "udpm://239.255.76.99:7699?ttl=0");
+  EXPECT_EQ(LoadConfig({}, {"lcm.url=memq://"}).live.url, "memq://");
+  EXPECT_EQ(LoadConfig(File("lcm:\n  url: memq://\n"), {}).live.url, "memq://");
+  ASSERT_EQ(setenv("LCM_DEFAULT_URL", "", 1), 0);
+  EXPECT_EQ(LoadConfig({}, {}).live.url, usual) << "empty is as if it were not set";
+  ASSERT_EQ(unsetenv("LCM_DEFAULT_URL"), 0);
+}
 
 TEST_F(ConfigTest, AFileOverridesAnyPartAndASettingOverridesTheFile) {
   const fs::path file = File("stereo:\n  max_disparity_px: 64\nodometry:\n  use_imu: false\nmapping:\n");

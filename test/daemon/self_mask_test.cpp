@@ -156,5 +156,19 @@ TEST(SelfMaskTest, SaysWhatIsWrongWithTheSettings) {
   EXPECT_THAT(problems[2], HasSubstr("radii above 0"));
 }
 
+TEST(SelfMaskTest, SaysSoWhenNothingIsLeftToSee) {
+  const TemporaryFolder folder;
+  const std::string png = (folder.path() / "black.png").string();
+  WritePng(png, GrayImage{kMaskWidth, kMaskHeight, std::vector<std::uint8_t>(kMaskWidth * kMaskHeight, 0)});
+  PipelineConfig config;
+  config.terrain.robot.self_mask_png = png;
+  try {
+    LoadSelfMask(config, RigOnBody());
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("leaves less than 2 % of the image to see"));
+  }
+}
+
 }  // namespace
 }  // namespace terrace

@@ -153,6 +153,26 @@ TEST_F(EurocTest, LeavesOutAndCountsImagesWhoseTimeDoesNotRise) {
                           HasSubstr("cam1/data.csv")));
 }
 
+TEST_F(EurocTest, SortsAListWhoseRowsAreNotInTheOrderOfTheirTimes) {
+  const auto plain = ReadAll(*OpenEurocSequence(path()));
+  const fs::path csv = mav() / "cam0" / "data.csv";
+  std::string lines = ReadTextFile(csv);
+  const std::string third = std::to_string(SmallTime(2));
+  const std::size_t begin = lines.find(third), end = lines.find('\n', begin) + 1;
+  const std::string row = lines.substr(begin, end - begin);
+  WriteText(csv, lines.erase(begin, end - begin) + row);
+  const auto sequence = OpenEurocSequence(path());
+  EXPECT_THAT(sequence->info().warnings,
+              ElementsAre(HasSubstr("cam0/data.csv: 1 image not in the order of their times: sorted")));
+  const std::vector<SensorFrame> sorted = ReadAll(*sequence);
+  ASSERT_EQ(sorted.size(), plain.size());
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_EQ(sorted[i].pair.t_capture, plain[i].pair.t_capture);
+    EXPECT_EQ(sorted[i].pair.left.data, plain[i].pair.left.data);
+    EXPECT_EQ(sorted[i].pair.problem, "");
+  }
+}
+
 TEST_F(EurocTest, SkipsGarbageLinesWithAWarning) {
   Replace(mav() / "cam0" / "data.csv", "#timestamp [ns],filename\n", "#timestamp\n123,a.png\nx\x01y\n");
   const auto sequence = OpenEurocSequence(path());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/text_table.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -68,6 +70,13 @@ TEST(TableTest, SurvivesLinesWithAMillionColumnsAndBinaryRubbish) {
   EXPECT_THAT(ReadNumbers(std::string("1,2\n\0\xff\x80,\0\n3,4\n", 13)).rows, ElementsAre(2, 4));
 }
 
+TEST(TableTest, AByteOrderMarkCostsNoRow) {
+  EXPECT_THAT(ReadNumbers("\xEF\xBB\xBF"
+                          "1,2\n3,4\n")
+                  .rows,
+              ElementsAre(2, 4));
+}
+
 TEST(KeepRisingTest, LeavesOutOneWildTimeAndNotAllThatFollow) {
   const auto kept = [](std::vector<std::int64_t> times) {
     const std::size_t num_times = times.size();
@@ -80,6 +89,44 @@ TEST(KeepRisingTest, LeavesOutOneWildTimeAndNotAllThatFollow) {
   EXPECT_THAT(kept({5, 6, 1, 7, 8}), ElementsAre(5, 6, 7, 8));
   EXPECT_THAT(kept({1, 1, 2, 2}), ElementsAre(1, 2));
   EXPECT_THAT(kept({}), ElementsAre());
+}
+
+OrderedRows Ordered(std::vector<std::int64_t>* times_ns) {
+  return OrderByTime(times_ns, [](std::int64_t ns) { return Timestamp{ns}; });
+}
+
+TEST(OrderByTimeTest, MovesRowsToWhereTheirTimesLeaveAGap) {
+  std::vector<std::int64_t> sorted;
+  for (int i = 0; i < 40; ++i) sorted.push_back(100 * i);
+  std::vector<std::int64_t> times = sorted;
+  std::rotate(times.begin() + 5, times.begin() + 6, times.begin() + 8);
+  std::swap(times[20], times[21]);
+  std::swap(times[0], times[1]);
+  const OrderedRows ordered = Ordered(&times);
+  EXPECT_EQ(times, sorted);
+  EXPECT_EQ(ordered.num_moved, 3);
+  EXPECT_EQ(ordered.num_left_out, 0);
+}
+
+TEST(OrderByTimeTest, LeavesOutAWildTimeThoughItLiesBetweenOthers) {
+  std::vector<std::int64_t> times;
+  for (int i = 0; i < 20; ++i) times.push_back(100 * i);
+  times[12] = 350;
+  times[15] = 1'000'000;
+  const OrderedRows ordered = Ordered(&times);
+  EXPECT_EQ(ordered.num_left_out, 2);
+  EXPECT_EQ(ordered.num_moved, 0);
+  EXPECT_EQ(times.size(), 18u);
+}
+
+TEST(OrderByTimeTest, SortsAListThatWasNeverInOrder) {
+  std::vector<std::int64_t> times;
+  for (int i = 0; i < 50; ++i) times.push_back(100 * (i * 37 % 50));
+  times.push_back(100);  // which is there already
+  const OrderedRows ordered = Ordered(&times);
+  EXPECT_EQ(ordered.num_left_out, 1);
+  ASSERT_EQ(times.size(), 50u);
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(times[static_cast<std::size_t>(i)], 100 * i);
 }
 
 }  // namespace

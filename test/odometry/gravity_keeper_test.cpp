@@ -115,5 +115,50 @@ TEST(GravityKeeperTest, TakesRollAndPitchOfTheLegsWhereNothingIsBetter) {
   EXPECT_LT(std::acos(keeper.gravity().down_world.dot(truth)), 0.01);
 }
 
+SensorSamples AttitudeAndLegs(double attitude_roll_rad, double legs_roll_rad) {
+  SensorSamples both = AttitudeLeaning(attitude_roll_rad);
+  both.priors.push_back(AttitudeLeaning(legs_roll_rad).priors[0]);
+  both.priors[1].kind = PriorKind::kLegOdometry;
+  return both;
+}
+
+TEST(GravityKeeperTest, RefusesAnAttitudeThatIsOffFromTheStartWhereTheLegsSayThatTheRobotStoodLevel) {
+  GravityKeeper keeper({}, CameraIsBody());
+  // The world was laid by that attitude: if the body stood level, down is not where the world has it.
+  const Eigen::Vector3d truth(0.0, -std::sin(0.01), -std::cos(0.01));
+  const Gravity attitude = Down({0.0, -std::sin(0.36), -std::cos(0.36)}, 0.002, GravitySource::kAttitude);
+  keeper.Start(attitude, attitude, -Eigen::Vector3d::UnitZ());
+  for (int i = 0; i < 20; ++i) keeper.FollowAttitude(AttitudeAndLegs(0.36, 0.01), PoseEstimate());
+  EXPECT_LT(std::acos(keeper.gravity().down_world.dot(truth)), 3.0 * keeper.gravity().sigma_rad);
+  const auto warning = keeper.TakeWarning();
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("body attitude leans 20 deg"), std::string::npos) << *warning;
+  // It has a way back.
+  for (int i = 0; i < 40; ++i) keeper.FollowAttitude(AttitudeAndLegs(0.01, 0.01), PoseEstimate());
+  EXPECT_LT(std::acos(keeper.gravity().down_world.dot(truth)), 3.0 * keeper.gravity().sigma_rad);
+  EXPECT_LT(keeper.gravity().sigma_rad, 0.0175) << "the attitude's again";
+}
+
+TEST(GravityKeeperTest, KeepsTheAttitudeWhereItIsTheLegsThatLean) {
+  GravityKeeper keeper({}, CameraIsBody());
+  const Gravity attitude = Down(-Eigen::Vector3d::UnitZ(), 0.002, GravitySource::kAttitude);
+  keeper.Start(attitude, attitude, -Eigen::Vector3d::UnitZ());
+  for (int i = 0; i < 40; ++i) keeper.FollowAttitude(AttitudeAndLegs(0.01, 0.36), PoseEstimate());
+  const Eigen::Vector3d truth(0.0, -std::sin(0.01), -std::cos(0.01));
+  EXPECT_LT(std::acos(keeper.gravity().down_world.dot(truth)), 0.005);
+  const auto warning = keeper.TakeWarning();
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("legs' are not used"), std::string::npos) << *warning;
+}
+
+TEST(GravityKeeperTest, BelievesARobotThatIsStartedOnASlopeAsLongAsItsSensorsAgree) {
+  GravityKeeper keeper({}, CameraIsBody());
+  const Gravity attitude = Down({0.0, -std::sin(0.36), -std::cos(0.36)}, 0.002, GravitySource::kAttitude);
+  keeper.Start(attitude, attitude, -Eigen::Vector3d::UnitZ());
+  for (int i = 0; i < 40; ++i) keeper.FollowAttitude(AttitudeAndLegs(0.36, 0.35), PoseEstimate());
+  EXPECT_TRUE(keeper.gravity().down_world.isApprox(attitude.down_world, 0.005));
+  EXPECT_FALSE(keeper.TakeWarning());
+}
+
 }  // namespace
 }  // namespace terrace

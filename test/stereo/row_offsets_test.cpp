@@ -57,7 +57,7 @@ TEST(RowOffsetsTest, FindsWhatIsFartherOffThanACalibrationMay) {
     const StereoFrame frame = RenderMisaligned(320, 240, true_offsets);
     const RowOffsets found = MeasureRowOffsets(frame.left, frame.right, 32);
     EXPECT_GT(found.num_places, 50) << true_offsets.centre_px;
-    constexpr double kClose_px = 0.3;  // patches do not turn along
+    constexpr double kClose_px = 0.12;
     for (const float x : {-140.0f, 0.0f, 140.0f})
       EXPECT_NEAR(found.At(x, 0), true_offsets.At(x, 0), kClose_px) << x;
   }

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/camera.h"
+#include "odometry/landmark_tracker.h"
+#include "odometry/window.h"
+
+namespace terrace {
+
+/// Follows by how many columns the right image is off. One pair of images cannot tell: its disparities are
+/// all wrong by as much, and what they show is possible, if farther or nearer. But what is seen from two
+/// places moves in the left image with its true distance, and what is near moves otherwise against what is
+/// far than wrong disparities say.
+class ColumnMonitor {
+ public:
+  explicit ColumnMonitor(const StereoCamera& camera) : camera_(camera) {}
+
+  /// Takes in where a tracked frame found the window's landmarks.
+  /// @param noise_scale  variance of residuals over what the matches claim
+  /// @return what the user should be told, when that changes
+  std::optional<std::string> Update(const Window& window, const std::vector<Match>& matches,
+                                    const Eigen::Isometry3d& T_world_left, double noise_scale);
+
+  /// Disparities are so much too large, and its standard deviation [px].
+  double offset_px() const { return offset_px_; }
+  double sigma_px() const;
+  bool is_off() const { return is_off_; }
+  std::string Reason() const;
+
+ private:
+  struct Fit {
+    double offset_px = 0.0, information = 0.0;
+  };
+  Fit FitToHost(const std::vector<const Match*>& matches, const Window& window,
+                const Eigen::Isometry3d& T_host_left, double noise_scale) const;
+
+  StereoCamera camera_;
+  double offset_px_ = 0.0;
+  double information_ = 0.0;
+  bool is_off_ = false;
+};
+
+}  // namespace terrace

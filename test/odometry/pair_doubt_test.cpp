@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What an odometry makes of two cameras that stand otherwise to each other than the calibration says, or do
+// not see the same moment.
+#include <algorithm>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "odometry/visual_odometry.h"
+#include "test/odometry/tiny_world.h"
+
+namespace terrace {
+namespace {
+
+using namespace test;
+
+/// Everything so many columns further to the right, or to the left.
+cv::Mat1b Shifted(const cv::Mat1b& image, int columns) {
+  cv::Mat1b shifted = image.clone();
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) shifted(v, u) = image(v, std::clamp(u - columns, 0, image.cols - 1));
+  return shifted;
+}
+
+StereoFrame WithColumnsOff(int frame, int columns) {
+  StereoFrame seen = World().Frame(frame, Walk(frame));
+  seen.right = Shifted(seen.right, columns);
+  return seen;
+}
+
+StereoFrame WithLateCamera(int frame, double right_late, double left_late) {
+  StereoFrame seen = World().Frame(frame, Walk(frame - left_late));
+  seen.right = World().Frame(frame, Walk(frame - right_late)).right;
+  return seen;
+}
+
+/// The first frame whose pose is told to be in doubt with this word, and from which on none is trusted; -1:
+/// none.
+template <typename FrameAt>
+int FirstDoubted(const FrameAt& frame_at, int num_frames, const std::string& word) {
+  VisualOdometry odometry({}, kCamera, {});
+  int first = -1;
+  for (int i = 0; i < num_frames; ++i) {
+    const PoseEstimate pose = odometry.Track(frame_at(i), {});
+    if (first < 0 && pose.reason.find(word) != std::string::npos) first = i;
+    EXPECT_FALSE(first >= 0 && pose.trusted) << i;
+  }
+  return first;
+}
+
+TEST(PairDoubtTest, TellsColumnsThatAreOffByHowThingsMove) {
+  for (const int columns : {-3, -2, 2, 3}) {
+    const int told = FirstDoubted([=](int i) { return WithColumnsOff(i, columns); }, 60, "columns");
+    EXPECT_GE(told, 0) << columns;
+    EXPECT_LE(told, 15) << columns << ": within a second";
+  }
+}
+
+TEST(PairDoubtTest, SaysNothingOfAGoodPair) {
+  VisualOdometry odometry({}, kCamera, {});
+  for (int i = 0; i < 40; ++i) {
+    const PoseEstimate pose = odometry.Track(World().Frame(i, Walk(i)), {});
+    EXPECT_TRUE(pose.trusted) << i << ": " << pose.reason;
+  }
+}
+
+TEST(PairDoubtTest, SaysNothingOfARobotThatStands) {
+  VisualOdometry odometry({}, kCamera, {});
+  for (int i = 0; i < 10; ++i) {
+    StereoFrame seen = World().Frame(i, Walk(0));
+    seen.right = Shifted(seen.right, 3);
+    EXPECT_TRUE(odometry.Track(seen, {}).reason.empty()) << "nothing can be known of it";
+  }
+}
+
+TEST(PairDoubtTest, TellsACameraThatIsAFrameLate) {
+  const int right = FirstDoubted([](int i) { return WithLateCamera(i, 1.0, 0.0); }, 30, "late");
+  EXPECT_GE(right, 0);
+  EXPECT_LE(right, 10);
+  const int left = FirstDoubted([](int i) { return WithLateCamera(i, 0.0, 1.0); }, 30, "late");
+  EXPECT_GE(left, 0);
+  EXPECT_LE(left, 10);
+}
+
+TEST(PairDoubtTest, BelievesTheTwoAgainOnceTheyAreOfOneMoment) {
+  VisualOdometry odometry({}, kCamera, {});
+  for (int i = 0; i < 15; ++i) odometry.Track(WithLateCamera(i, 1.0, 0.0), {});
+  bool trusted = false;
+  for (int i = 15; i < 75; ++i) trusted = odometry.Track(World().Frame(i, Walk(i)), {}).trusted;
+  EXPECT_TRUE(trusted);
+}
+
+}  // namespace
+}  // namespace terrace
