@@ -40,6 +40,16 @@ struct Arguments {
 
 void AddCommonOptions(CLI::App* app, Arguments* arguments) {
   app->add_option("--config", arguments->config_file, "YAML file that overrides any part of the defaults");
+  const auto set = [arguments](const char* key) {
+    return [arguments, key](const std::string& value) {
+      arguments->settings.push_back(std::string(key) + "=" + value);
+    };
+  };
+  app->add_option_function<std::string>("--load-map", set("lcm.load_map"),
+                                        "Map to begin with, a .terrace file: same as lcm.load_map");
+  app->add_option_function<std::string>("--map-pose", set("lcm.map_pose"),
+                                        "\"x y z yaw\", where the body is in that map at the start: metres, "
+                                        "degrees; same as lcm.map_pose");
   app->add_option("--set", arguments->settings, "Overrides one key: section.key=value (may be repeated)")
       ->allow_extra_args(false);
 }
