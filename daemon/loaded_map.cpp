@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
 #include "core/map_difference.h"
 #include "core/print.h"
 #include "daemon/map_alignment.h"
@@ -124,6 +126,7 @@ void LoadedMap::FollowTheWorld(const TerrainMap& own) {
     body_.reset();
   } else {
     reason_ = "tracking was lost and another world has begun: say again where the robot is";
+    if (loaded_) spdlog::warn("{}: {}", file_, reason_);
   }
 }
 
@@ -134,6 +137,7 @@ void LoadedMap::PutIntoWorld(const TerrainMap& own, const PoseEstimate& pose) {
   num_frames_ = 0;
   reason_ = "put where somebody said; what is seen has not confirmed it yet";
   PutAt(prior_, own, pose.t_capture);
+  spdlog::info("{}: {}", file_, reason_);
 }
 
 void LoadedMap::PutAt(const MapPlace& place, const TerrainMap& own, Timestamp t) {
@@ -168,6 +172,8 @@ void LoadedMap::CompareWithWhatIsSeen(const TerrainMap& own, const PoseEstimate&
   const MapAlignment alignment = Align(regions, prior_, own, body_world);
   const bool was_confirmed = std::exchange(confirmed_, alignment.confirmed);
   reason_ = alignment.reason;
+  if (was_confirmed && !confirmed_)
+    spdlog::warn("{}: where it lies is no longer confirmed: {}", file_, reason_);
   if (!confirmed_) return;
   // From here on the world may drift away by as much as somebody may have been wrong.
   prior_.T_map_world = alignment.place.T_map_world;
@@ -175,7 +181,12 @@ void LoadedMap::CompareWithWhatIsSeen(const TerrainMap& own, const PoseEstimate&
   const Eigen::Isometry3d moved = in_world_->place.T_map_world.inverse() * alignment.place.T_map_world;
   const bool far = (moved * body_world - body_world).norm() > kWorthMoving_m ||
                    Eigen::AngleAxisd(moved.linear()).angle() > kWorthMoving_rad;
-  if (!was_confirmed || far) PutAt(alignment.place, own, pose.t_capture);
+  if (!was_confirmed || far) {
+    spdlog::info("{}: what is seen confirms where it lies, {:.3f} m and {:.2f} deg from where it was put",
+                 file_, (moved * body_world - body_world).norm(),
+                 Eigen::AngleAxisd(moved.linear()).angle() * 180.0 / M_PI);
+    PutAt(alignment.place, own, pose.t_capture);
+  }
 }
 
 void LoadedMap::TakeAwayWhatIsSeen(const TerrainMap& own, const MapDifference* changed) {
