@@ -28,8 +28,8 @@ constexpr double kSearch_m = 0.3;
 constexpr double kConfirmed_m = 0.03;
 constexpr double kConfirmed_rad = 1.0 * M_PI / 180.0;
 constexpr double kConfirmedShare = 0.8;
-// Further from the prior than this many sigmas, one of both is wrong.
-constexpr double kMaxSigmas = 3.5;
+// Further from the prior, in squares of sigmas, than 99.9 % of what it allows: one of both is wrong.
+constexpr double kMaxSquares = 22.46;  // chi squared of six numbers
 
 struct Face {
   const TerrainRegion* region = nullptr;
@@ -148,8 +148,7 @@ Vector6d SigmasAt(const Matrix6d& covariance, const Eigen::Vector3d& p_world) {
 std::string WhyNotConfirmed(const MapAlignment& alignment, const MapPlace& prior,
                             const Eigen::Vector3d& body_world) {
   const Vector6d moved = Log(prior.T_map_world.inverse() * alignment.place.T_map_world);
-  const double sigmas = std::sqrt(moved.dot(prior.covariance.ldlt().solve(moved)) / 6.0);
-  if (sigmas > kMaxSigmas)
+  if (moved.dot(prior.covariance.ldlt().solve(moved)) > kMaxSquares)
     return Printed("what is seen lies %.2f m from where somebody said",
                    (moved.tail<3>() + moved.head<3>().cross(body_world)).norm());
   const double share = alignment.agrees_m2 / std::max(1e-9, alignment.agrees_m2 + alignment.differs_m2);
