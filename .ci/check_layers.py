@@ -40,7 +40,7 @@ for folder in [*EVERYTHING, "test", "bench"]:
         if folder in ("test", "bench"):
             continue
         for number, line in enumerate(text.splitlines(), 1):
-            match = re.match(r'\s*#include "(\w+)/', line)
+            match = re.match(r'\s*#include "(?:terrace/)?(\w+)/', line)
             target = match and match.group(1)
             if target in EVERYTHING and target != folder and target not in ALLOWED[folder]:
                 problems.append(f"{name}:{number}: {folder} must not know {target}")

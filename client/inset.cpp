@@ -106,8 +106,12 @@ FlatPolygon Without(const FlatPolygon& polygon, const std::vector<FlatRing>& par
   return FromUnits(Combined(ToUnits(polygon.rings()), ToUnits(parts), ClipperLib::ctDifference));
 }
 
+FlatPolygon Within(const FlatPolygon& polygon, const std::vector<FlatRing>& parts) {
+  return FromUnits(Combined(ToUnits(polygon.rings()), ToUnits(parts), ClipperLib::ctIntersection));
+}
+
 FlatPolygon Within(const FlatPolygon& polygon, const FlatRing& convex) {
-  return FromUnits(Combined(ToUnits(polygon.rings()), ToUnits({convex}), ClipperLib::ctIntersection));
+  return Within(polygon, std::vector<FlatRing>{convex});
 }
 
 }  // namespace terrace

@@ -24,10 +24,12 @@ struct EdgeMargins {
 FlatPolygon InsetOf(const FlatPolygon& polygon, const std::vector<RegionEdge>& edges,
                     const EdgeMargins& margins);
 
-/// What of `polygon` lies in none of the convex `parts`, counter-clockwise rings.
+/// What of `polygon` lies in none of `parts`: counter-clockwise rings, and clockwise ones for holes in them.
 FlatPolygon Without(const FlatPolygon& polygon, const std::vector<FlatRing>& parts);
 
-/// The part of the polygon within an axis-aligned box or any other convex counter-clockwise ring.
+/// The part of the polygon that lies in any of `parts`, rings as above.
+FlatPolygon Within(const FlatPolygon& polygon, const std::vector<FlatRing>& parts);
+/// The part within an axis-aligned box or any other convex counter-clockwise ring.
 FlatPolygon Within(const FlatPolygon& polygon, const FlatRing& convex);
 
 }  // namespace terrace

@@ -83,6 +83,24 @@ struct HeightCell {
   bool known() const { return region_id != 0; }
 };
 
+/// What is known of the space that a capsule takes up.
+enum class Occupancy {
+  kFree,  ///< it touches no face, and lies over ground that was seen; what hangs there unseen is not known
+  kOccupied,  ///< it touches a face
+  kUnknown,   ///< behind a face, or over what nobody has seen
+};
+
+/// How far a capsule is from all that is known.
+struct Clearance {
+  /// From the capsule's surface to the nearest face; negative: by how much it must be moved to be clear of
+  /// that face; infinite: there is none.
+  double distance_m = std::numeric_limits<double>::infinity();
+  /// Unit, world: the way in which a move takes the capsule away from that face; zero: there is none.
+  Eigen::Vector3d gradient_world = Eigen::Vector3d::Zero();
+  std::int64_t region_id = 0;  ///< of the nearest face; 0: there is none
+  Occupancy occupancy = Occupancy::kUnknown;
+};
+
 struct HeightGrid {
   HeightGridSpec spec;
   std::vector<HeightCell> cells;  ///< num_x * num_y, j runs faster

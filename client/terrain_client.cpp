@@ -6,6 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/map_from_log.h"
+#include "client/terrace_file.h"
+#include "lcmtypes/map_transform_codec.h"
 #include "lcmtypes/pose_codec.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/status_codec.h"
@@ -31,6 +34,8 @@ void TerrainClient::Subscribe(const ChannelConfig& channels) {
   keep(terrace::Subscribe<&TerrainClient::OnTerrain>(lcm_, channels.terrain, this), channels.terrain,
        kPackets);
   keep(terrace::Subscribe<&TerrainClient::OnPose>(lcm_, channels.pose_state, this), channels.pose_state, 30);
+  keep(terrace::Subscribe<&TerrainClient::OnMapTransform>(lcm_, channels.map_transform, this),
+       channels.map_transform, 30);
   keep(terrace::Subscribe<&TerrainClient::OnStatus>(lcm_, channels.status, this), channels.status, 30);
 }
 
@@ -42,6 +47,13 @@ TerrainClient::~TerrainClient() {
   end_changed_.notify_one();
   asking_.join();
   for (lcm::Subscription* subscription : subscriptions_) lcm_->unsubscribe(subscription);
+}
+
+TerrainMapPtr TerrainClient::LoadMap(const std::filesystem::path& file) { return LoadTerraceFile(file); }
+
+TerrainMapPtr TerrainClient::FromLog(const std::filesystem::path& log, Timestamp t,
+                                     const ChannelConfig& channels) {
+  return MapFromLog(log, t, channels);
 }
 
 TerrainMapPtr TerrainClient::map() const {
@@ -69,6 +81,11 @@ std::optional<BodyPose> TerrainClient::BodyPoseAt(Timestamp t) const {
 std::optional<BodyPose> TerrainClient::newest_pose() const {
   const std::lock_guard lock(mutex_);
   return poses_.newest();
+}
+
+std::optional<MapTransform> TerrainClient::map_transform() const {
+  const std::lock_guard lock(mutex_);
+  return map_transform_;
 }
 
 ClientHealth TerrainClient::Health() const {
@@ -125,6 +142,14 @@ void TerrainClient::OnPose(const lcm::ReceiveBuffer* buffer, const std::string&)
   }
   t_heard_ = std::chrono::steady_clock::now();
   poses_.Add(*pose);
+}
+
+void TerrainClient::OnMapTransform(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  const auto message = SafeDecode<map_transform_v1_t>(buffer->data, buffer->data_size);
+  const std::optional<MapTransform> transform = message ? FromMessage(*message) : std::nullopt;
+  if (!transform) return;
+  const std::lock_guard lock(mutex_);
+  map_transform_ = transform;
 }
 
 void TerrainClient::OnStatus(const lcm::ReceiveBuffer* buffer, const std::string&) {

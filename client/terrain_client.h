@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "client/terrain_follower.h"
 #include "core/body_pose.h"
 #include "core/map_difference.h"
+#include "core/map_transform.h"
 #include "core/status.h"
 #include "core/terrain_map.h"
 #include "core/time.h"
@@ -35,6 +37,12 @@ class TerrainClient {
   TerrainClient(const TerrainClient&) = delete;
   TerrainClient& operator=(const TerrainClient&) = delete;
 
+  /// A map that was saved, a .terrace file. Throws FileError with place and reason.
+  static TerrainMapPtr LoadMap(const std::filesystem::path& file);
+  /// The map as it was at a moment, out of a log of the bus; see MapFromLog().
+  static TerrainMapPtr FromLog(const std::filesystem::path& log, Timestamp t,
+                               const ChannelConfig& channels = {});
+
   /// The map in its newest state; null before the first one has arrived. It never changes: keep it as long as
   /// you like.
   TerrainMapPtr map() const;
@@ -51,6 +59,10 @@ class TerrainClient {
   std::optional<BodyPose> BodyPoseAt(Timestamp t) const;
   std::optional<BodyPose> newest_pose() const;
 
+  /// Where a map that the daemon has loaded lies in the world, or why that is not known; none: the daemon has
+  /// said nothing of one.
+  std::optional<MapTransform> map_transform() const;
+
   ClientHealth Health() const;
   /// Messages on the terrain's channel that were no terrain, or could not be meant.
   std::int64_t num_bad_messages() const;
@@ -58,6 +70,7 @@ class TerrainClient {
  private:
   void OnTerrain(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void OnPose(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void OnMapTransform(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void OnStatus(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void Subscribe(const ChannelConfig& channels);
   void TellChange(const TerrainMapPtr& before, const TerrainMapPtr& map) const;
@@ -71,6 +84,7 @@ class TerrainClient {
   TerrainFollower follower_;
   PoseHistory poses_;
   std::optional<Status> status_;
+  std::optional<MapTransform> map_transform_;
   std::optional<std::chrono::steady_clock::time_point> t_heard_;
   std::int64_t num_repairs_ = 0;
   std::int64_t num_bad_pose_ = 0;

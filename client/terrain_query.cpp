@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "client/box_section.h"
+#include "client/capsule_clearance.h"
 #include "client/height_raster.h"
 #include "client/spatial_order.h"
 #include "core/check.h"
@@ -161,6 +162,11 @@ std::vector<std::int64_t> TerrainQuery::RegionsIn(const Eigen::AlignedBox3d& box
                 });
   std::sort(ids.begin(), ids.end());
   return ids;
+}
+
+Clearance TerrainQuery::CapsuleClearance(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world,
+                                         double radius_m, LabelSet labels) const {
+  return ClearanceOf(*this, {a_world, b_world, radius_m}, labels);
 }
 
 HeightGrid TerrainQuery::Heights(const HeightGridSpec& spec) const { return RasterHeights(*this, spec); }

@@ -49,6 +49,11 @@ class TerrainQuery {
   std::vector<std::int64_t> RegionsIn(const Eigen::AlignedBox3d& box_world,
                                       LabelSet labels = kAllLabels) const;
 
+  /// How far all points within `radius_m` of the segment from a to b (a leg, a body) are from the faces of
+  /// regions with one of the labels.
+  Clearance CapsuleClearance(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world, double radius_m,
+                             LabelSet labels = kAllLabels) const;
+
   /// The highest ground in every cell, as SupportAt has it at the cell's middle.
   HeightGrid Heights(const HeightGridSpec& spec) const;
 

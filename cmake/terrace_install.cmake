@@ -12,15 +12,25 @@ install(TARGETS terrace_core terrace_lcmtypes terrace_client EXPORT terrace-clie
 install(TARGETS terrace_parallel_for terrace_files terrace_results terrace_stereo terrace_odometry terrace_mapping terrace_polygonization terrace_labeling terrace_terrain terrace_datasets
                 terrace_evaluation terrace_image_codec
         EXPORT terrace-mapper ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-foreach(folder core lcmtypes client)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/terrace COMPONENT planner
-          FILES_MATCHING PATTERN "*.h" PATTERN example EXCLUDE PATTERN python EXCLUDE)
-endforeach()
-foreach(folder results stereo odometry mapping polygonization labeling terrain datasets evaluation)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/terrace
-          FILES_MATCHING PATTERN "*.h")
-endforeach()
-install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/cpp/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/terrace COMPONENT planner
+# All headers lie below terrace/ and name one another so, since a planner may have a core/geometry.h of its own.
+function(terrace_install_headers)
+  cmake_parse_arguments(ARG "" "COMPONENT" "FOLDERS" ${ARGN})
+  foreach(folder ${ARG_FOLDERS})
+    file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/${folder}/*.h)
+    foreach(header ${headers})
+      set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${header})
+      file(READ ${PROJECT_SOURCE_DIR}/${header} text)
+      string(REGEX REPLACE "#include \"([a-z]+/)" "#include \"terrace/\\1" text "${text}")
+      file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/installed/terrace/${header} CONTENT "${text}" @ONLY)
+    endforeach()
+    install(DIRECTORY ${PROJECT_BINARY_DIR}/installed/terrace/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/terrace
+            COMPONENT ${ARG_COMPONENT} FILES_MATCHING PATTERN "*.h")
+  endforeach()
+endfunction()
+terrace_install_headers(COMPONENT planner FOLDERS core lcmtypes client)
+terrace_install_headers(COMPONENT Unspecified
+                        FOLDERS results stereo odometry mapping polygonization labeling terrain datasets evaluation)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/cpp/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT planner
         FILES_MATCHING PATTERN "*.hpp")
 
 set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/terrace)

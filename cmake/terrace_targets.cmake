@@ -17,14 +17,15 @@ if(TERRACE_SANITIZE)
 endif()
 
 # terrace_library(NAME SOURCES... [PUBLIC targets...] [PRIVATE targets...])
-# One folder, one target: terrace_NAME, used as terrace::NAME. Headers are included from the top: "core/time.h".
+# One folder, one target: terrace_NAME, used as terrace::NAME. Headers are included from the top: "core/time.h"; where they are
+# installed, below terrace/: "terrace/core/time.h".
 function(terrace_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(terrace_${name} STATIC ${ARG_SOURCES})
   add_library(terrace::${name} ALIAS terrace_${name})
   set_target_properties(terrace_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(terrace_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/terrace>)
+                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(terrace_${name} PUBLIC cxx_std_20)
   target_link_libraries(terrace_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:terrace::options> ${ARG_PRIVATE})
 endfunction()

@@ -4,6 +4,7 @@
 #include "core/check.h"
 #include "core/explanation.h"
 #include "core/landmark_sightings.h"
+#include "core/map_transform.h"
 #include "core/pose_estimate.h"
 #include "core/reason_code.h"
 #include "core/status.h"
@@ -81,6 +82,10 @@ const char* Name(DaemonState state) {
   return NameIn(std::array<const char*, 7>{"starting", "running", "degraded", "paused", "no input",
                                            "no calibration", "stopping"},
                 state);
+}
+
+const char* Name(MapPlacing placing) {
+  return NameIn(std::array<const char*, kNumMapPlacings>{"not_found", "given", "confirmed"}, placing);
 }
 
 const char* Name(TerrainLabel label) { return NameIn(kLabelNames, label); }

@@ -71,6 +71,8 @@ command_reply_v1_t CommandObeyer::Obey(const command_v1_t& command) {
       return Ok("resumed");
     case command_v1_t::SAVE_MAP:
       return SaveMap(command.argument);
+    case command_v1_t::LOAD_MAP:
+      return LoadMap(command.argument);
     case command_v1_t::SEND_SNAPSHOT:
       return actions_.send_snapshot() ? Ok("sent") : Refused("there is no map yet");
     case command_v1_t::EXPLAIN:
@@ -95,6 +97,31 @@ command_reply_v1_t CommandObeyer::Explain(const std::string& argument) const {
   if (text.empty()) return Refused("the map has neither a region nor a staircase " + argument);
   text.pop_back();
   return Ok(std::move(text));
+}
+
+command_reply_v1_t CommandObeyer::LoadMap(const std::string& argument) const {
+  if (save_folder_.empty()) return Refused("set lcm.save_folder, the folder that maps are in");
+  const std::string name = argument.substr(0, argument.find(' '));
+  const std::string where = argument.substr(name.size());
+  const std::string problem = ProblemOfName(save_folder_, name);
+  if (!problem.empty()) return Refused(problem);
+  const std::optional<BodyInMap> body = BodyInMapFrom(where);
+  if (!body && where.find_first_not_of(' ') != std::string::npos)
+    return Refused(
+        "behind the file's name must stand where the body is in that map, x y z in metres and yaw "
+        "in degrees, or nothing; not '" +
+        where.substr(1) + "'");
+  try {
+    TerrainMapPtr map = LoadTerraceFile(save_folder_ / name);
+    const std::size_t num_regions = map->regions.size();
+    if (!actions_.load_map(std::move(map), name, body)) return Refused("no camera is known yet: ask again");
+    spdlog::info("{} is loaded, as commanded", name);
+    return Ok(name + " is loaded, with " + std::to_string(num_regions) +
+              (body ? " regions; it is put into the world with the next pose"
+                    : " regions; it stands by itself until somebody says where the robot is in it"));
+  } catch (const FileError& error) {
+    return Refused(error.what());
+  }
 }
 
 command_reply_v1_t CommandObeyer::SaveMap(const std::string& name) const {

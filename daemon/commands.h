@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include <terrace/command_reply_v1_t.hpp>
@@ -11,6 +12,7 @@
 
 #include "core/explanation.h"
 #include "core/terrain_map.h"
+#include "daemon/map_placing.h"
 
 namespace terrace {
 
@@ -21,12 +23,15 @@ struct CommandActions {
   std::function<bool()> send_snapshot;                   ///< false: there is no map yet
   std::function<TerrainMapPtr()> map;                    ///< null: there is none yet
   std::function<Explanations(std::int64_t id)> explain;  ///< of region and staircase with this id
+  /// A map from a file, and where the body is in it; false: no camera is known yet.
+  std::function<bool(TerrainMapPtr map, const std::string& file, const std::optional<BodyInMap>& body)>
+      load_map;
 };
 
 /// Obeys the commands that arrive on the bus, where anyone can send anything.
 class CommandObeyer {
  public:
-  /// @param save_folder  into which SAVE_MAP may write; empty: nowhere
+  /// @param save_folder  into which SAVE_MAP writes and from which LOAD_MAP reads; empty: neither
   CommandObeyer(std::filesystem::path save_folder, CommandActions actions)
       : save_folder_(std::move(save_folder)), actions_(std::move(actions)) {}
 
@@ -35,6 +40,7 @@ class CommandObeyer {
 
  private:
   command_reply_v1_t SaveMap(const std::string& name) const;
+  command_reply_v1_t LoadMap(const std::string& argument) const;
   command_reply_v1_t Explain(const std::string& argument) const;
 
   const std::filesystem::path save_folder_;

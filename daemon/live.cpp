@@ -14,9 +14,11 @@
 #include <tbb/global_control.h>
 #include <terrace/status_v1_t.hpp>
 
+#include "client/terrace_file.h"
 #include "daemon/commands.h"
 #include "daemon/interrupt.h"
 #include "daemon/live_input.h"
+#include "daemon/loaded_map_publisher.h"
 #include "daemon/mapper_run.h"
 #include "daemon/request_desk.h"
 #include "daemon/service_notice.h"
@@ -54,7 +56,8 @@ struct LiveMapper {
   LiveMapper(const LiveOptions& options, const Config& config, const StereoCalibration& calibration,
              lcm::LCM* lcm, StatusReporter* reporter, RequestDesk* desk)
       : run(config.pipeline, calibration, Pace::kNewest, false),
-        publisher(lcm, config.channels, run.pipeline().T_body_left(), config.live.snapshot_period_s) {
+        publisher(lcm, config.channels, run.pipeline().T_body_left(), config.live.snapshot_period_s),
+        loaded_map_publisher(lcm, config.channels, config.live.snapshot_period_s) {
     run.Add(std::make_unique<WarningLog>());
     run.Add(std::make_unique<PublisherSink>(&publisher));
     run.Add(std::make_unique<RequestSink>(desk, &run.pipeline(), &publisher));
@@ -64,6 +67,7 @@ struct LiveMapper {
 
   MapperRun run;
   TerrainPublisher publisher;
+  LoadedMapPublisher loaded_map_publisher;
 };
 
 class LiveNode {
@@ -79,12 +83,14 @@ class LiveNode {
             Actions()),
         desk_(&lcm_, config.channels) {
     RequireOpen(lcm_, "lcm.url = " + config.live.url);
+    if (!config.live.load_map.empty()) first_map_ = LoadTerraceFile(config.live.load_map);
     if (!options.output.empty()) PrepareOutputFolder(options.output, options.overwrite);
     input_.emplace(
         &lcm_, config.channels, config.live, CalibrationFrom(config.live.calibration),
         [this](const command_v1_t& command) { Answer(command); },
         [this](const terrain_repair_v1_t& repair) {
-          if (mapper_) mapper_->publisher.Answer(repair);
+          if (!mapper_ || mapper_->loaded_map_publisher.Answer(repair)) return;
+          mapper_->publisher.Answer(repair);
         },
         [this](const terrain_request_v1_t& request) { desk_.Take(request, Clock::now()); });
     Subscribe<&LiveNode::OnStatus>(&lcm_, config.channels.status, this);
@@ -99,7 +105,10 @@ class LiveNode {
         throw std::runtime_error(config_.live.url + ": LCM has failed");
       if (!mapper_ && input_->calibration()) StartMapper();
       while (std::optional<SensorFrame> frame = input_->NextReady()) Push(std::move(*frame));
-      if (mapper_) mapper_->publisher.Tick();
+      if (mapper_) {
+        mapper_->publisher.Tick();
+        mapper_->loaded_map_publisher.Tick(mapper_->run.loaded_map(), mapper_->publisher.map_id());
+      }
       ReportEverySecond();
     }
     Finish();
@@ -119,6 +128,9 @@ class LiveNode {
     mapper_ =
         std::make_unique<LiveMapper>(options_, config_, *input_->calibration(), &lcm_, &reporter_, &desk_);
     mapper_->run.pipeline().PauseMap(paused_);
+    if (first_map_)
+      mapper_->run.loaded_map().Load(std::exchange(first_map_, nullptr), config_.live.load_map,
+                                     BodyInMapFrom(config_.live.map_pose));
     spdlog::info("calibration: {}", input_->calibration()->name);
   }
 
@@ -230,17 +242,20 @@ class LiveNode {
   }
 
   CommandActions Actions() {
-    return {
-        [this] {
-          if (mapper_) mapper_->run.pipeline().RequestMapReset();
-        },
-        [this](bool paused) {
-          paused_ = paused;
-          if (mapper_) mapper_->run.pipeline().PauseMap(paused);
-        },
-        [this] { return mapper_ && mapper_->publisher.SendSnapshot(); },
-        [this] { return mapper_ ? mapper_->run.map() : nullptr; },
-        [this](std::int64_t id) { return mapper_ ? mapper_->run.pipeline().Explain(id) : Explanations{}; }};
+    return {[this] {
+              if (mapper_) mapper_->run.pipeline().RequestMapReset();
+            },
+            [this](bool paused) {
+              paused_ = paused;
+              if (mapper_) mapper_->run.pipeline().PauseMap(paused);
+            },
+            [this] { return mapper_ && mapper_->publisher.SendSnapshot(); },
+            [this] { return mapper_ ? mapper_->run.map() : nullptr; },
+            [this](std::int64_t id) { return mapper_ ? mapper_->run.Explain(id) : Explanations{}; },
+            [this](TerrainMapPtr map, const std::string& file, const std::optional<BodyInMap>& body) {
+              if (mapper_) mapper_->run.loaded_map().Load(std::move(map), file, body);
+              return mapper_ != nullptr;
+            }};
   }
 
   void Answer(const command_v1_t& command) {
@@ -262,6 +277,7 @@ class LiveNode {
   StateLog state_log_;
   std::optional<LiveInput> input_;
   std::unique_ptr<LiveMapper> mapper_;
+  TerrainMapPtr first_map_;  // to begin with, until there is a mapper
   bool paused_ = false;
   bool calibration_missing_said_ = false;
   std::optional<Clock::time_point> other_heard_;

@@ -4,6 +4,8 @@
 #include <sstream>
 #include <tuple>
 
+#include "daemon/map_placing.h"
+
 namespace terrace {
 
 std::vector<std::string> LiveConfig::Problems() const {
@@ -21,6 +23,10 @@ std::vector<std::string> LiveConfig::Problems() const {
     text << name << " = " << value << " must lie between " << min << " and " << max;
     problems.push_back(text.str());
   }
+  if (!map_pose.empty() && !BodyInMapFrom(map_pose))
+    problems.push_back("map_pose = '" + map_pose + "' must be four numbers: x y z [m] and yaw [deg]");
+  if (!map_pose.empty() && load_map.empty())
+    problems.push_back("map_pose = '" + map_pose + "' is the place in a map, but load_map names none");
   return problems;
 }
 

@@ -25,8 +25,14 @@ struct LiveConfig {
   double snapshot_period_s = 60.0;
   /// A map that is out later than this after its images were taken has missed its deadline, which is counted.
   double deadline_ms = 250.0;
-  /// Folder into which the command SAVE_MAP may write; empty: into that of --output, if there is one.
+  /// Folder into which the command SAVE_MAP may write, and from which LOAD_MAP reads; empty: that of
+  /// --output, if there is one.
   std::string save_folder = "";
+  /// A map to begin with, a file that SAVE_MAP wrote (NAME.terrace); empty: none.
+  std::string load_map = "";
+  /// Where the body is in that map with the first pose, as "x y z yaw" in metres and degrees. Empty: not
+  /// known, and the loaded map stands by itself on `channels.loaded_map`.
+  std::string map_pose = "";
 
   /// One sentence per problem; empty when the settings can be used.
   std::vector<std::string> Problems() const;

@@ -32,6 +32,7 @@ constexpr int kWrongUse = 2;
 struct Arguments {
   std::optional<std::string> config_file;
   std::vector<std::string> settings;
+  std::vector<std::string> map_settings;  // of --load-map and --map-pose; --set replaces what it finds
   bool print_config = false;
   std::string log_file;
   ReplayOptions replay;
@@ -40,6 +41,16 @@ struct Arguments {
 
 void AddCommonOptions(CLI::App* app, Arguments* arguments) {
   app->add_option("--config", arguments->config_file, "YAML file that overrides any part of the defaults");
+  const auto set = [arguments](const char* key) {
+    return [arguments, key](const std::string& value) {
+      arguments->map_settings.push_back(std::string(key) + "=" + value);
+    };
+  };
+  app->add_option_function<std::string>("--load-map", set("lcm.load_map"),
+                                        "Map to begin with, a .terrace file: same as lcm.load_map");
+  app->add_option_function<std::string>("--map-pose", set("lcm.map_pose"),
+                                        "\"x y z yaw\", where the body is in that map at the start: metres, "
+                                        "degrees; same as lcm.map_pose");
   app->add_option("--set", arguments->settings, "Overrides one key: section.key=value (may be repeated)")
       ->allow_extra_args(false);
 }
@@ -103,7 +114,9 @@ int Run(int argc, char** argv) {
   OutliveReaders();
   try {
     if (!arguments.log_file.empty()) LogToFile(arguments.log_file);
-    const Config config = LoadConfig(arguments.config_file, arguments.settings);
+    std::vector<std::string> settings = arguments.settings;
+    settings.insert(settings.end(), arguments.map_settings.begin(), arguments.map_settings.end());
+    const Config config = LoadConfig(arguments.config_file, settings);
     if (arguments.print_config) {
       std::fputs(PrintConfig(config).c_str(), stdout);
     } else if (replay->parsed()) {

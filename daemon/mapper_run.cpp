@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/mapper_run.h"
 
+#include <algorithm>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -35,7 +37,8 @@ MapperRun::MapperRun(const PipelineConfig& config, const StereoCalibration& cali
                      bool single_threaded)
     : pace_(pace),
       single_threaded_(single_threaded),
-      pipeline_(WithinTheImage(config, calibration), calibration, LoadSelfMask(config, calibration), pace) {
+      pipeline_(WithinTheImage(config, calibration), calibration, LoadSelfMask(config, calibration), pace),
+      loaded_map_(pipeline_.T_body_left()) {
   TERRACE_CHECK(pace == Pace::kEveryFrame || !single_threaded);
 }
 
@@ -64,7 +67,7 @@ void MapperRun::Finish(std::int64_t num_lost_before) {
   totals.realtime = pace_ == Pace::kNewest;
   totals.gravity = pipeline_.gravity();
   totals.stages = pipeline_.meters().costs();
-  totals.explanations = pipeline_.Explain();
+  totals.explanations = loaded_map_.InJointIds(pipeline_.Explain());
   for (const auto& sink : sinks_) sink->Finish(totals);
 }
 
@@ -73,12 +76,27 @@ TerrainMapPtr MapperRun::map() const {
   return map_;
 }
 
+Explanations MapperRun::Explain(std::int64_t id) const {
+  if (const std::optional<std::int64_t> own = loaded_map_.OwnId(id))
+    return loaded_map_.InJointIds(pipeline_.Explain(*own));
+  Explanations explanations;
+  const TerrainMapPtr joint = map();
+  const auto is_it = [&](const auto& region) { return region->id == id; };
+  if (joint && std::any_of(joint->regions.begin(), joint->regions.end(), is_it)) {
+    RegionExplanation& region = explanations.regions.emplace_back();
+    region.id = id;
+    region.text = "region " + std::to_string(id) + ": as it was in the file that was loaded; not seen since.";
+  }
+  return explanations;
+}
+
 void MapperRun::TakePose(const PoseEstimate& pose) {
   for (const auto& sink : sinks_) sink->AddPose(pose);
 }
 
 void MapperRun::TakeFrame(FrameResult result) {
   const StageMeasurement measuring(&pipeline_.meters(), StageId::kPublish);
+  result.change = loaded_map_.Join(result.change, result.pose);
   if (pace_ == Pace::kNewest) result.latency_ms = handovers_.LatencyMs(result.pose.t_capture);
   for (const auto& sink : sinks_) sink->AddFrame(result);
   const std::lock_guard lock(mutex_);

@@ -14,6 +14,7 @@
 #include "core/sensor_frame.h"
 #include "daemon/frame_sink.h"
 #include "daemon/handover_times.h"
+#include "daemon/loaded_map.h"
 #include "daemon/pipeline.h"
 #include "daemon/threaded_pipeline.h"
 
@@ -28,6 +29,8 @@ class MapperRun {
             bool single_threaded);
 
   Pipeline& pipeline() { return pipeline_; }
+  /// A map from a file beside the one that is made; sinks see both as one. From any thread.
+  LoadedMap& loaded_map() { return loaded_map_; }
   /// Before the first frame. Sinks are called in the order in which they were added.
   template <typename Sink>
   Sink* Add(std::unique_ptr<Sink> sink) {
@@ -44,6 +47,8 @@ class MapperRun {
 
   /// As the last frame left it; null before the first one. From any thread.
   TerrainMapPtr map() const;
+  /// Why the region or staircase of map() with this id is what it is. From any thread.
+  Explanations Explain(std::int64_t id) const;
   FlowCounts counts() const { return threads_ ? threads_->counts() : FlowCounts{}; }
 
  private:
@@ -54,6 +59,7 @@ class MapperRun {
   const bool single_threaded_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   Pipeline pipeline_;
+  LoadedMap loaded_map_;
   std::vector<std::unique_ptr<FrameSink>> sinks_;
   HandoverTimes handovers_;
   FrameId next_frame_id_ = 0;  // of a single thread

@@ -15,6 +15,7 @@
 #include <terrace/terrain_repair_v1_t.hpp>
 #include <terrace/terrain_request_v1_t.hpp>
 
+#include "client/terrace_file.h"
 #include "daemon/interrupt.h"
 #include "daemon/mapper_run.h"
 #include "daemon/sinks.h"
@@ -172,6 +173,9 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   MapperRun run(config.pipeline, CalibrationOf(info, options),
                 options.realtime ? Pace::kNewest : Pace::kEveryFrame,
                 options.num_threads == 1 && !options.realtime);
+  if (!config.live.load_map.empty())
+    run.loaded_map().Load(LoadTerraceFile(config.live.load_map), config.live.load_map,
+                          BodyInMapFrom(config.live.map_pose));
   PrepareOutputFolder(options.output, options.overwrite);
   run.Add(std::make_unique<WarningLog>());
   if (!options.publish_url.empty())

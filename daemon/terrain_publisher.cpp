@@ -8,12 +8,6 @@
 namespace terrace {
 namespace {
 
-Eigen::Isometry3d LevelBody() {
-  Eigen::Isometry3d T_body_left = Eigen::Isometry3d::Identity();
-  T_body_left.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  return T_body_left;
-}
-
 /// Map ids count from the start of the daemon; this makes them differ from those of an earlier one.
 std::int64_t MicrosecondsNow() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -23,6 +17,12 @@ std::int64_t MicrosecondsNow() {
 TerrainSender::Time Now() { return std::chrono::steady_clock::now(); }
 
 }  // namespace
+
+Eigen::Isometry3d LevelBody() {
+  Eigen::Isometry3d T_body_left = Eigen::Isometry3d::Identity();
+  T_body_left.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return T_body_left;
+}
 
 TerrainPublisher::TerrainPublisher(lcm::LCM* lcm, ChannelConfig channels,
                                    std::optional<Eigen::Isometry3d> T_body_left, double snapshot_period_s)

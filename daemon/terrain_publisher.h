@@ -22,6 +22,9 @@
 
 namespace terrace {
 
+/// T_body_left where no body is known: at the camera, x forward, y left, z up.
+Eigen::Isometry3d LevelBody();
+
 /// Publishes what leaves the daemon on LCM: the pose three times over (body, body with all that is known of
 /// it, motion of the camera) and the terrain (see TerrainSender). Every function may be called from any
 /// thread. `lcm` must outlive it.

@@ -29,7 +29,10 @@ std::vector<std::string> ChannelConfig::Problems() const {
                                                                             {"octree", &octree},
                                                                             {"disparity", &disparity},
                                                                             {"map_box", &map_box},
+                                                                            {"map_transform", &map_transform},
+                                                                            {"loaded_map", &loaded_map},
                                                                             {"status", &status},
+                                                                            {"footsteps", &footsteps},
                                                                             {"true_pose", &true_pose}};
   std::vector<std::string> problems;
   std::map<std::string, std::string> user;

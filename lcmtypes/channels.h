@@ -46,8 +46,14 @@ struct ChannelConfig {
   std::string disparity = "TERRACE_DISPARITY";
   /// The regions in a box, `terrain_v1_t`, on request; out.
   std::string map_box = "TERRACE_MAP_BOX";
+  /// Where a loaded map lies in the world, `map_transform_v1_t`; out.
+  std::string map_transform = "TERRACE_MAP_TRANSFORM";
+  /// A loaded map in its own frame, while it is not known where it lies, `terrain_v1_t`; out.
+  std::string loaded_map = "TERRACE_LOADED_MAP";
   /// The daemon's state, `status_v1_t`; out.
   std::string status = "TERRACE_STATUS";
+  /// Where a planner sets its feet, `footstep_plan_v1_t`; never read by the mapper.
+  std::string footsteps = "TERRACE_FOOTSTEPS";
   /// True poses of the body in converted logs, `pose_t`; never read by the mapper.
   std::string true_pose = "TERRACE_TRUE_POSE";
 

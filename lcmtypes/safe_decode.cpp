@@ -10,12 +10,16 @@
 #include <terrace/command_reply_v1_t.hpp>
 #include <terrace/command_v1_t.hpp>
 #include <terrace/disparity_v1_t.hpp>
+#include <terrace/footstep_plan_v1_t.hpp>
 #include <terrace/height_map_v1_t.hpp>
+#include <terrace/heightmap_t.hpp>
 #include <terrace/image_metadata_t.hpp>
 #include <terrace/image_t.hpp>
 #include <terrace/images_t.hpp>
 #include <terrace/imu_v1_t.hpp>
 #include <terrace/input_stat_v1_t.hpp>
+#include <terrace/localization_lcmt.hpp>
+#include <terrace/map_transform_v1_t.hpp>
 #include <terrace/octree_v1_t.hpp>
 #include <terrace/pose_t.hpp>
 #include <terrace/pose_v1_t.hpp>
@@ -27,6 +31,7 @@
 #include <terrace/terrain_repair_v1_t.hpp>
 #include <terrace/terrain_request_v1_t.hpp>
 #include <terrace/terrain_v1_t.hpp>
+#include <terrace/traversability_map_t.hpp>
 #include <terrace/update_t.hpp>
 
 namespace terrace {
@@ -225,6 +230,28 @@ void Walk(Walker& walker, const terrain_v1_t*) {
   walker.Skip(kSeenBytes * walker.Count(kSeenBytes));
 }
 
+void Walk(Walker& walker, const map_transform_v1_t*) {
+  walker.Skip(8 + 8 + 8);
+  walker.String();
+  walker.Skip(1);
+  walker.String();
+  walker.Skip(8 * (3 + 4 + 36));
+}
+
+void Walk(Walker& walker, const footstep_plan_v1_t*) {
+  walker.Skip(8 + 8 + 8);
+  walker.String();
+  walker.Skip(4);
+  constexpr std::size_t kStepBytes = 1 + 8 * (3 + 3 + 1) + 4 + 1 + 8 + 1;
+  walker.Skip(kStepBytes * walker.Count(kStepBytes));
+}
+
+void Walk(Walker& walker, const heightmap_t*) { walker.Skip(8 * (100 * 100 + 3)); }
+
+void Walk(Walker& walker, const traversability_map_t*) { walker.Skip(4 * 100 * 100); }
+
+void Walk(Walker& walker, const localization_lcmt*) { walker.Skip(4 * (3 + 3)); }
+
 void Walk(Walker& walker, const repair_step_v1_t*) {
   walker.Skip(1 + 8);
   walker.Skip(4 * walker.Count(4));
@@ -263,12 +290,16 @@ template std::optional<calibration_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<command_reply_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<command_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<disparity_v1_t> SafeDecode(const void*, std::size_t);
+template std::optional<footstep_plan_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<height_map_v1_t> SafeDecode(const void*, std::size_t);
+template std::optional<heightmap_t> SafeDecode(const void*, std::size_t);
 template std::optional<image_metadata_t> SafeDecode(const void*, std::size_t);
 template std::optional<image_t> SafeDecode(const void*, std::size_t);
 template std::optional<images_t> SafeDecode(const void*, std::size_t);
 template std::optional<imu_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<input_stat_v1_t> SafeDecode(const void*, std::size_t);
+template std::optional<localization_lcmt> SafeDecode(const void*, std::size_t);
+template std::optional<map_transform_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<octree_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<pose_t> SafeDecode(const void*, std::size_t);
 template std::optional<pose_v1_t> SafeDecode(const void*, std::size_t);
@@ -280,6 +311,7 @@ template std::optional<status_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<terrain_repair_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<terrain_request_v1_t> SafeDecode(const void*, std::size_t);
 template std::optional<terrain_v1_t> SafeDecode(const void*, std::size_t);
+template std::optional<traversability_map_t> SafeDecode(const void*, std::size_t);
 template std::optional<update_t> SafeDecode(const void*, std::size_t);
 
 }  // namespace terrace

@@ -34,11 +34,12 @@ struct CommandOptions {
   double wait_s = 5.0;
 };
 
-constexpr std::array<std::pair<const char*, std::int8_t>, 8> kCommands{
+constexpr std::array<std::pair<const char*, std::int8_t>, 9> kCommands{
     std::pair{"reset_map", command_v1_t::RESET_MAP},
     {"pause", command_v1_t::PAUSE},
     {"resume", command_v1_t::RESUME},
     {"save_map", command_v1_t::SAVE_MAP},
+    {"load_map", command_v1_t::LOAD_MAP},
     {"send_snapshot", command_v1_t::SEND_SNAPSHOT},
     {"explain", command_v1_t::EXPLAIN},
     {"reload_config", command_v1_t::RELOAD_CONFIG},
@@ -111,13 +112,17 @@ void AddCommandCommand(CLI::App& app) {
   auto options = std::make_shared<CommandOptions>();
   AddBusOptions(command, &options->bus);
   command
-      ->add_option("NAME", options->name,
-                   "reset_map, pause, resume, save_map, send_snapshot, explain, reload_config; keep_record, "
-                   "to terrace record")
+      ->add_option(
+          "NAME", options->name,
+          "reset_map, pause, resume, save_map, load_map, send_snapshot, explain, reload_config; keep_record, "
+          "to terrace record")
       ->required();
-  command->add_option("ARGUMENT", options->argument,
-                      "save_map: the name of the file; explain: the id of a region or staircase; "
-                      "keep_record: a word for its name");
+  command->add_option(
+      "ARGUMENT", options->argument,
+      "save_map: the name of the file; load_map: the same (NAME.terrace), and, when it is known, "
+      "where the body is in it: \"NAME.terrace x y z yaw\", metres and degrees; explain: the id of a region "
+      "or staircase; "
+      "keep_record: a word for its name");
   command->add_option("--wait", options->wait_s, "for the reply, in seconds")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();

@@ -19,6 +19,7 @@ class UsageError : public std::runtime_error {
 // work.
 void AddCalibrationCommand(CLI::App& app);
 void AddCameraCommand(CLI::App& app);
+void AddCheetahCommand(CLI::App& app);
 void AddCommandCommand(CLI::App& app);
 void AddConvertCommand(CLI::App& app);
 void AddDisparityCommand(CLI::App& app);

@@ -11,7 +11,10 @@
 
 #include <CLI/CLI.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <terrace/footstep_plan_v1_t.hpp>
 
+#include "core/file_bytes.h"
+#include "lcmtypes/safe_decode.h"
 #include "results/replay_result.h"
 #include "tools/commands.h"
 #include "tools/rectified_frames.h"
@@ -25,6 +28,7 @@ struct DrawOptions {
   std::string sequence;
   std::string picture;
   std::string map_picture;
+  std::string footsteps;
   std::vector<std::filesystem::path> calibration;
   std::int64_t frame = -1;
   std::int64_t time_ns = -1;
@@ -59,7 +63,16 @@ StereoFrame FindFrame(const DrawOptions& options, const StereoCamera& camera,
   return *found;
 }
 
-void DrawFrameOf(const DrawOptions& options) {
+std::optional<footstep_plan_v1_t> PlanOf(const DrawOptions& options) {
+  if (options.footsteps.empty()) return std::nullopt;
+  constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 26;
+  const std::vector<std::uint8_t> bytes = ReadFileBytes(options.footsteps, kMaxBytes);
+  const auto plan = SafeDecode<footstep_plan_v1_t>(bytes.data(), bytes.size());
+  if (!plan) throw std::runtime_error(options.footsteps + ": holds no footstep_plan_v1_t");
+  return plan;
+}
+
+void DrawFrameOf(const DrawOptions& options, const footstep_plan_v1_t* plan) {
   const std::filesystem::path folder = options.result;
   const std::vector<ResultPose> trajectory = ReadTrajectoryFile(folder / "trajectory.tum");
   const ResultCamera camera = ReadCameraFile(folder / "camera.json");
@@ -68,7 +81,7 @@ void DrawFrameOf(const DrawOptions& options) {
                                  [&](const ResultPose& p) { return p.t_capture == frame.t_capture; });
   if (pose == trajectory.end()) throw std::runtime_error(options.result + ": that frame has no pose");
   const TerrainMap map = ReadTerrainMapFile(folder / "terrain_map.json");
-  Save(DrawFrame(map, frame.left, camera.camera, pose->T_world_left), options.picture);
+  Save(DrawFrame(map, frame.left, camera.camera, pose->T_world_left, plan), options.picture);
 }
 
 void Draw(const DrawOptions& options) {
@@ -76,8 +89,11 @@ void Draw(const DrawOptions& options) {
   if (!draw_frame && options.map_picture.empty())
     throw UsageError("draw: give SEQUENCE and OUT.png, or --map OUT.png");
   if (draw_frame && options.picture.empty()) throw UsageError("draw: OUT.png is missing after SEQUENCE");
-  if (!options.map_picture.empty()) Save(DrawMap(ReadReplayResult(options.result)), options.map_picture);
-  if (draw_frame) DrawFrameOf(options);
+  const std::optional<footstep_plan_v1_t> plan = PlanOf(options);
+  const footstep_plan_v1_t* const steps = plan ? &*plan : nullptr;
+  if (!options.map_picture.empty())
+    Save(DrawMap(ReadReplayResult(options.result), steps), options.map_picture);
+  if (draw_frame) DrawFrameOf(options, steps);
 }
 
 }  // namespace
@@ -90,6 +106,9 @@ void AddDrawCommand(CLI::App& app) {
   command->add_option("SEQUENCE", options->sequence, "what it replayed");
   command->add_option("OUT.png", options->picture, "the rectified left image with the regions over it");
   command->add_option("--map", options->map_picture, "draw the whole map into this image");
+  command->add_option("--footsteps", options->footsteps,
+                      "a plan to draw on the ground: the bytes of a footstep_plan_v1_t, as terrace_footsteps "
+                      "leaves them in PLAN.footsteps");
   command->add_option("--calibration", options->calibration, "the files that the replay was given, if it was")
       ->delimiter(',')
       ->allow_extra_args(false);

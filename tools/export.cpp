@@ -10,7 +10,6 @@
 
 #include "client/terrace_file.h"
 #include "core/file_bytes.h"
-#include "results/replay_result.h"
 #include "tools/commands.h"
 #include "tools/map_export.h"
 #include "tools/result_server.h"
@@ -37,8 +36,7 @@ std::string ExportedBytes(const TerrainMap& map, const ExportOptions& options) {
 
 void Export(const ExportOptions& options) {
   const std::filesystem::path result(options.result);
-  const TerrainMapPtr map =
-      result.extension() == ".terrace" ? LoadTerraceFile(result) : ServedMap(ReadReplayResult(result));
+  const TerrainMapPtr map = MapToServe(result);
   std::filesystem::path output(options.output);
   if (output.empty()) output = result.lexically_normal().filename().replace_extension("." + options.format);
   if (output == result) throw UsageError("the map would be written onto itself: name another file");

@@ -19,6 +19,7 @@ int Run(int argc, char** argv) {
   app.require_subcommand(1);
   terrace::AddCalibrationCommand(app);
   terrace::AddCameraCommand(app);
+  terrace::AddCheetahCommand(app);
   terrace::AddCommandCommand(app);
   terrace::AddConvertCommand(app);
   terrace::AddDisparityCommand(app);

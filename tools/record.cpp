@@ -102,7 +102,9 @@ class Recorder {
     return {&channels_.images,     &channels_.calibration, &channels_.imu,     &channels_.body_prior,
             &channels_.body_pose,  &channels_.command,     &channels_.reply,   &channels_.pose,
             &channels_.pose_state, &channels_.odometry,    &channels_.terrain, &channels_.repair,
-            &channels_.status,     &channels_.true_pose};
+            &channels_.status,     &channels_.true_pose,   &channels_.request, &channels_.height_map,
+            &channels_.octree,     &channels_.disparity,   &channels_.map_box, &channels_.map_transform,
+            &channels_.loaded_map, &channels_.footsteps};
   }
 
   void OnMessage(const lcm::ReceiveBuffer* buffer, const std::string& channel) {

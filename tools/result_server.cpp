@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/result_server.h"
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include <terrace/status_v1_t.hpp>
 #include <terrace/terrain_repair_v1_t.hpp>
 
+#include "client/terrace_file.h"
 #include "daemon/version.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/status_codec.h"
@@ -28,22 +31,27 @@ TerrainMapPtr ServedMap(const ReplayResult& result) {
   map->gravity = result.stats.gravity;
   map->T_body_left = result.camera.T_body_left;
   if (!result.frames.empty()) map->epoch = result.frames.back().epoch;
-  if (!result.trajectory.empty()) map->T_world_left = result.trajectory.back().T_world_left;
+  if (result.trajectory.empty()) return map;
+  map->T_world_left = result.trajectory.back().T_world_left;
+  map->t_capture = std::max(map->t_capture, result.trajectory.back().t_capture);
   return map;
 }
 
-ResultServer::ResultServer(lcm::LCM* lcm, const ReplayResult& result, const ChannelConfig& channels)
+TerrainMapPtr MapToServe(const std::filesystem::path& result) {
+  return result.extension() == ".terrace" ? LoadTerraceFile(result) : ServedMap(ReadReplayResult(result));
+}
+
+ResultServer::ResultServer(lcm::LCM* lcm, TerrainMapPtr map, const ChannelConfig& channels)
     : lcm_(lcm),
       channels_(channels),
-      map_(ServedMap(result)),
-      publisher_(lcm, channels, result.camera.T_body_left, kSnapshotPeriod_s) {
-  if (!result.trajectory.empty()) {
-    pose_.t_capture = result.trajectory.back().t_capture;
-    pose_.T_world_left = result.trajectory.back().T_world_left;
-    pose_.status = TrackingStatus::kTracking;
-    pose_.trusted = true;
-    pose_.epoch = map_->epoch;
-  }
+      map_(std::move(map)),
+      publisher_(lcm, channels, map_->T_body_left, kSnapshotPeriod_s) {
+  pose_.t_capture = map_->t_capture;
+  pose_.T_world_left = map_->T_world_left;
+  pose_.covariance = map_->covariance;
+  pose_.status = TrackingStatus::kTracking;
+  pose_.trusted = true;
+  pose_.epoch = map_->epoch;
   subscription_ = Subscribe<&ResultServer::OnRepair>(lcm_, channels_.repair, this);
   if (subscription_ == nullptr) throw std::runtime_error("cannot listen on " + channels_.repair);
   MapChange whole;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 
 #include <lcm/lcm-cpp.hpp>
@@ -16,16 +17,19 @@ namespace terrace {
 
 /// The map of a finished result, as the daemon had it after the last frame and with the last pose.
 TerrainMapPtr ServedMap(const ReplayResult& result);
+/// Of a folder that a replay wrote, or of a .terrace file.
+TerrainMapPtr MapToServe(const std::filesystem::path& result);
 
-/// Publishes a finished map as the daemon does while nothing changes: the terrain, also to those who come
-/// late, the last pose ten times a second and the status once a second. Time of day in what it sends is the
-/// recording's.
+/// Publishes a finished map, whose newest image gave the pose, as the daemon does while nothing changes: the
+/// terrain, also to those who come late, the last pose ten times a second and the status once a second. Time
+/// of day in what it sends is the recording's.
 class ResultServer {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   /// Answers repairs inside lcm->handle(). `lcm` must outlive it.
-  ResultServer(lcm::LCM* lcm, const ReplayResult& result, const ChannelConfig& channels = {});
+  /// @param map  not null; its T_world_left is the pose that is sent
+  ResultServer(lcm::LCM* lcm, TerrainMapPtr map, const ChannelConfig& channels = {});
   ~ResultServer();
   ResultServer(const ResultServer&) = delete;
   ResultServer& operator=(const ResultServer&) = delete;

@@ -11,7 +11,6 @@
 #include "daemon/interrupt.h"
 #include "lcmtypes/default_url.h"
 #include "lcmtypes/open_bus.h"
-#include "results/replay_result.h"
 #include "tools/bus.h"
 #include "tools/commands.h"
 #include "tools/result_server.h"
@@ -28,12 +27,12 @@ struct ServeOptions {
 void Serve(const ServeOptions& options) {
   using Clock = std::chrono::steady_clock;
   CatchInterrupts();
-  const ReplayResult result = ReadReplayResult(options.result);
+  const TerrainMapPtr map = MapToServe(options.result);
   lcm::LCM lcm(options.url);
   RequireOpen(lcm, options.url);
-  ResultServer server(&lcm, result);
-  std::printf("serving %zu regions and %zu staircases on %s until Ctrl-C\n", result.map.regions.size(),
-              result.map.staircases.size(), options.url.c_str());
+  ResultServer server(&lcm, map);
+  std::printf("serving %zu regions and %zu staircases on %s until Ctrl-C\n", map->regions.size(),
+              map->staircases.size(), options.url.c_str());
   std::fflush(stdout);
   constexpr int kPatienceMs = 20;
   const Clock::time_point start = Clock::now();
@@ -51,7 +50,8 @@ void AddServeCommand(CLI::App& app) {
       "serve",
       "Publish the finished map of a result as the daemon does, for a planner that is written at a desk");
   auto options = std::make_shared<ServeOptions>();
-  command->add_option("RESULT", options->result, "folder that `terraced replay` wrote")->required();
+  command->add_option("RESULT", options->result, "folder that `terraced replay` wrote, or a .terrace file")
+      ->required();
   command->add_option("--url", options->url, "LCM provider")->capture_default_str();
   command->add_option("--seconds", options->seconds, "end after this time; 0: at Ctrl-C")
       ->check(CLI::Range(0.0, 1e6))

@@ -10,6 +10,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "tools/sole_picture.h"
 #include "tools/surface_raster.h"
 
 namespace terrace {
@@ -280,10 +281,10 @@ double PathLength(const std::vector<ResultPose>& trajectory) {
 }  // namespace
 
 cv::Mat3b DrawFrame(const TerrainMap& map, const cv::Mat1b& left, const StereoCamera& camera,
-                    const Eigen::Isometry3d& T_world_left) {
+                    const Eigen::Isometry3d& T_world_left, const footstep_plan_v1_t* plan) {
   constexpr double kOpacity = 0.5;
-  const SurfaceRaster raster =
-      Rasterise(map, left.cols, left.rows, Projection::OfCamera(camera, T_world_left));
+  const Projection projection = Projection::OfCamera(camera, T_world_left);
+  const SurfaceRaster raster = Rasterise(map, left.cols, left.rows, projection);
   cv::Mat3b image;
   cv::cvtColor(left, image, cv::COLOR_GRAY2BGR);
   for (int v = 0; v < image.rows; ++v) {
@@ -294,6 +295,12 @@ cv::Mat3b DrawFrame(const TerrainMap& map, const cv::Mat1b& left, const StereoCa
       const int border = i >= 0 ? i : u + 1 < image.cols ? raster.region_at(u + 1, v) : -1;
       image(v, u) = border >= 0 ? Mix(ColourOf(*map.regions[border]), kInk, 0.4) : kInk;
     }
+  }
+  if (plan) {
+    DrawSoles(image, projection, *plan, [&](const cv::Point& pixel, std::int64_t region_id) {
+      const int i = raster.region_at(pixel.x, pixel.y);
+      return i >= 0 && map.regions[i]->id == region_id;
+    });
   }
   constexpr int kMinPixels = 300;
   const std::vector<Visible> visible = WhereVisible(raster, map.regions.size());
@@ -317,7 +324,7 @@ cv::Mat3b DrawFrame(const TerrainMap& map, const cv::Mat1b& left, const StereoCa
   return picture;
 }
 
-cv::Mat3b DrawMap(const ReplayResult& result) {
+cv::Mat3b DrawMap(const ReplayResult& result, const footstep_plan_v1_t* plan) {
   constexpr int kWidth = 1280;
   constexpr int kMargin = 44;
   const TerrainMap& map = result.map;
@@ -328,7 +335,9 @@ cv::Mat3b DrawMap(const ReplayResult& result) {
                          const std::string& title) {
     const Panel fitted =
         FitPanel(map, result.trajectory, Projection::Along(forward, upward), {kWidth, max_height}, kMargin);
-    return DrawPanel(map, result.trajectory, fitted, title);
+    cv::Mat3b drawn = DrawPanel(map, result.trajectory, fitted, title);
+    if (plan) DrawSoles(drawn, fitted.projection, *plan, [](const cv::Point&, std::int64_t) { return true; });
+    return drawn;
   };
   const std::vector<cv::Mat3b> panels = {
       panel(0.55 * right + 0.75 * away - 0.62 * up, up, 620,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdio>
 
-#include "client/terrain_client.h"
-#include "client/terrain_query.h"
+#include "terrace/client/terrain_client.h"
+#include "terrace/client/terrain_query.h"
 
 int main() {
   lcm::LCM lcm("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152");

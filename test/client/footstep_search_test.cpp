@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "client/example/footsteps/plan_message.h"
 #include "client/example/footsteps/plan_picture.h"
+#include "lcmtypes/safe_decode.h"
 #include "test/client/made_terrain.h"
 
 namespace terrace {
@@ -47,6 +49,21 @@ TEST(FootstepSearchTest, ClimbsStairsToTheLanding) {
   const auto steps = PlanFootsteps(query, walker, {{0, 0, 0}, 0.0}, goal);
   ExpectWalkable(walker, steps, goal);
   EXPECT_NEAR(steps.back().ground.point_world.z(), 0.9, 1e-9);
+
+  const footstep_plan_v1_t plan = PlanMessage(query.map(), steps, walker.foot.radius_m);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(plan.getEncodedSize()));
+  plan.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  const auto read = SafeDecode<footstep_plan_v1_t>(bytes.data(), bytes.size());
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->pos.size(), steps.size());
+  EXPECT_EQ(read->map_seq, query.map().seq);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    EXPECT_EQ(read->pos[i][2], steps[i].ground.point_world.z());
+    EXPECT_EQ(read->side[i] == footstep_plan_v1_t::LEFT, steps[i].left);
+    // It climbs from the first foot on a tread to the first one that leaves the treads.
+    const auto on_tread = [&](std::size_t k) { return steps[k].ground.label == TerrainLabel::kStairTread; };
+    EXPECT_EQ(read->gait[i] == footstep_plan_v1_t::CLIMB, on_tread(i) || (i > 0 && on_tread(i - 1))) << i;
+  }
 }
 
 TEST(FootstepSearchTest, GoesRoundAWallAndNotThroughIt) {

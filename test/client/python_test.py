@@ -146,9 +146,98 @@ class QueryTest(unittest.TestCase):
                     self.assertAlmostEqual(grid.height_m[i, j], found[0].point[2], 9)
                     self.assertAlmostEqual(grid.sigma_m[i, j], found[0].sigma_height_m, 9)
 
+    def test_a_capsule_is_as_far_from_everything_as_the_cpp_query_says(self):
+        num_near = 0
+        for told in EXPECTED["clearances"]:
+            found = self.query.capsule_clearance(told["a"], told["b"], 0.04)
+            self.assertAlmostEqual(found.distance_m, told["distance"], 6)
+            self.assertEqual(found.region_id, told["region"])
+            np.testing.assert_allclose(found.gradient, told["gradient"], atol=1e-4)
+            self.assertEqual(found.occupancy, ("free", "occupied", "unknown")[told["occupancy"]])
+            num_near += found.distance_m <= 0.0
+        self.assertGreater(num_near, 10)
+
     def test_the_next_map_shares_what_has_not_changed(self):
         again = terrace.TerrainQuery(self.terrain, before=self.query)
         self.assertTrue(all(again._shapes[i] is shape for i, shape in self.query._shapes.items()))
+
+
+class FileTest(unittest.TestCase):
+    FILE = pathlib.Path(str(LOG) + ".terrace")
+
+    def test_a_saved_map_is_the_map_and_is_answered_from_alike(self):
+        followed_map, loaded = followed(MESSAGES).map, terrace.load_terrace(self.FILE)
+        self.assertEqual((loaded.seq, loaded.map_id, loaded.t_capture_ns),
+                         (followed_map.seq, followed_map.map_id, followed_map.t_capture_ns))
+        self.assertEqual(sorted(loaded.regions), sorted(followed_map.regions))
+        for number, region in followed_map.regions.items():
+            mine = loaded.regions[number]
+            self.assertEqual((mine.label, mine.source, mine.revision), (region.label, region.source, region.revision))
+            self.assertEqual([e.kind for e in mine.edges], [e.kind for e in region.edges])
+            np.testing.assert_allclose(np.concatenate(mine.rings), np.concatenate(region.rings), atol=1e-5)
+        query = terrace.TerrainQuery(loaded)
+        for told in EXPECTED["supports"][:50]:
+            found = query.supports_at(*told["xy"])
+            self.assertEqual([s.region_id for s in found], [s["region"] for s in told["found"]])
+            for mine, theirs in zip(found, told["found"]):
+                self.assertAlmostEqual(mine.sigma_height_m, theirs["sigma"], 6)
+
+    def test_a_damaged_file_is_refused_with_place_and_reason(self):
+        data = self.FILE.read_bytes()
+        damaged = pathlib.Path(_folder.name, "damaged.terrace")
+        for at in range(0, len(data), max(1, len(data) // 40)):
+            damaged.write_bytes(data[:at])
+            with self.assertRaisesRegex(ValueError, "byte"):
+                terrace.load_terrace(damaged)
+            damaged.write_bytes(data[:at] + bytes([data[at] ^ 4]) + data[at + 1:])
+            with self.assertRaisesRegex(ValueError, "damaged.terrace: byte"):
+                terrace.load_terrace(damaged)
+
+
+class RequestsTest(unittest.TestCase):
+    """A daemon that answers at once, in place of the bus."""
+
+    class Daemon:
+        def __init__(self, answer):
+            self.answer, self.handlers, self.due = answer, {}, []
+
+        def subscribe(self, channel, handler):
+            self.handlers[channel] = handler
+
+        def publish(self, channel, message):
+            self.due = self.answer(terrace.terrain_request_v1_t.decode(message.encode()))
+
+        def handle(self, timeout_s):
+            for channel, message in self.due:
+                self.handlers[channel](channel, message if isinstance(message, bytes) else message.encode())
+            self.due = []
+
+    @staticmethod
+    def reply(request, result, text):
+        reply = terrace.command_reply_v1_t()
+        reply.request_id, reply.result, reply.message = request.request_id, result, text
+        return ("TERRACE_REPLY", reply)
+
+    def test_what_was_asked_for_is_returned(self):
+        def answer(request):
+            grid = terrace.height_map_v1_t()
+            grid.resolution = request.resolution
+            return [self.reply(request, terrace.command_reply_v1_t.OK, ""), ("TERRACE_HEIGHT_MAP", grid)]
+        grid = terrace.Requests(self.Daemon(answer)).heights((-1, -1, -1), (1, 1, 1), 0.25)
+        self.assertEqual(grid.resolution, 0.25)
+
+    def test_a_box_of_the_map_is_a_terrain(self):
+        snapshot = [("TERRACE_MAP_BOX", data) for data in MESSAGES
+                    if terrace.terrain_v1_t.decode(data).kind == terrace.terrain_v1_t.SNAPSHOT]
+        terrain = terrace.Requests(self.Daemon(lambda request: snapshot)).box((-9, -9, -9), (9, 9, 9))
+        self.assertEqual(len(terrain.regions), 40)
+
+    def test_a_refusal_says_why_and_silence_ends(self):
+        refuse = self.Daemon(lambda request: [self.reply(request, terrace.command_reply_v1_t.REFUSED, "too large")])
+        with self.assertRaisesRegex(terrace.RequestRefused, "too large"):
+            terrace.Requests(refuse).octree((-99,) * 3, (99,) * 3)
+        with self.assertRaises(TimeoutError):
+            terrace.Requests(self.Daemon(lambda request: [])).disparity(timeout_s=0.05)
 
 
 class PacketTest(unittest.TestCase):
@@ -195,9 +284,9 @@ class LogTest(unittest.TestCase):
 class HelpTest(unittest.TestCase):
     def test_everything_public_says_what_it_is(self):
         for name in ("Bus", "TerrainClient", "TerrainFollower", "TerrainQuery", "Terrain", "Region", "Support", "read_log",
-                     "load_result"):
+                     "load_result", "load_terrace", "Requests", "Clearance"):
             self.assertGreater(len(getattr(terrace, name).__doc__), 20, name)
-        for method in ("support_at", "supports_at", "nearest_foothold", "heights"):
+        for method in ("support_at", "supports_at", "nearest_foothold", "heights", "capsule_clearance"):
             self.assertTrue(getattr(terrace.TerrainQuery, method).__doc__)
 
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Writes a log of terrain messages, and prints as JSON what a C++ subscriber has of it and how TerrainQuery
-// answers: what the Python package is held against.
+// Writes a log of terrain messages and, as LOG.terrace, the map that it ends with, and prints as JSON what a
+// C++ subscriber has of it and how TerrainQuery answers: what the Python package is held against.
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include <lcm/lcm-cpp.hpp>
 
+#include "client/terrace_file.h"
 #include "client/terrain_follower.h"
 #include "client/terrain_query.h"
 #include "lcmtypes/terrain_codec.h"
@@ -80,6 +81,20 @@ void PrintAnswers(const TerrainQuery& query, ScatteredTerrain* terrain) {
     if (foothold) std::printf("%.9f}", foothold->distance_m);
     if (!foothold) std::printf("null}");
   }
+  std::printf("],\n\"clearances\": [");
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d a(terrain->Real(-kHalfExtent_m, kHalfExtent_m),
+                            terrain->Real(-kHalfExtent_m, kHalfExtent_m), terrain->Real(-0.2, 2.0));
+    const Eigen::Vector3d b =
+        a + 0.4 * Eigen::Vector3d(terrain->Real(-1, 1), terrain->Real(-1, 1), terrain->Real(-1, 1));
+    const Clearance clearance = query.CapsuleClearance(a, b, 0.04);
+    const Eigen::Vector3d& g = clearance.gradient_world;
+    std::printf(
+        "%s{\"a\": [%.17g, %.17g, %.17g], \"b\": [%.17g, %.17g, %.17g], \"distance\": %.9f, "
+        "\"gradient\": [%.9f, %.9f, %.9f], \"region\": %ld, \"occupancy\": %d}",
+        i > 0 ? ",\n" : "", a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), clearance.distance_m, g.x(), g.y(),
+        g.z(), static_cast<long>(clearance.region_id), static_cast<int>(clearance.occupancy));
+  }
   std::printf("]}\n");
 }
 
@@ -103,6 +118,7 @@ int Run(const std::string& path) {
   Write(&log, &follower, DeltaMessages(*first, second, kPartBytes));
   const SeenRegion seen{second.regions[0]->id, later.t_capture - std::chrono::milliseconds(20)};
   Write(&log, &follower, SeenMessages(later, std::nullopt, {&seen, 1}, kPartBytes));
+  SaveTerraceFile(path + ".terrace", *follower.map());
   PrintRegions(*follower.map());
   PrintAnswers(TerrainQuery(follower.map()), &terrain);
   return 0;

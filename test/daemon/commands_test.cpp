@@ -27,8 +27,17 @@ command_v1_t Command(std::int8_t command, std::string argument = "") {
 class CommandObeyerTest : public ::testing::Test {
  protected:
   CommandActions Actions() {
-    return {[this] { ++num_resets_; }, [this](bool paused) { paused_ = paused; },
-            [this] { return map_ != nullptr; }, [this] { return map_; }, Explain};
+    return {[this] { ++num_resets_; },
+            [this](bool paused) { paused_ = paused; },
+            [this] { return map_ != nullptr; },
+            [this] { return map_; },
+            Explain,
+            [this](TerrainMapPtr map, const std::string& file, const std::optional<BodyInMap>& body) {
+              loaded_ = std::move(map);
+              loaded_file_ = file;
+              body_ = body;
+              return camera_known_;
+            }};
   }
 
   /// Region 3 and staircase 3 are there, and nothing else.
@@ -44,6 +53,10 @@ class CommandObeyerTest : public ::testing::Test {
   TerrainMapPtr map_ = std::make_shared<const TerrainMap>();
   int num_resets_ = 0;
   bool paused_ = false;
+  bool camera_known_ = true;
+  TerrainMapPtr loaded_;
+  std::string loaded_file_;
+  std::optional<BodyInMap> body_;
   CommandObeyer obeyer_{folder_.path(), Actions()};
 };
 
@@ -74,6 +87,45 @@ TEST_F(CommandObeyerTest, SavesEveryBitOfTheMapUnderANameThatEndsInTerrace) {
   EXPECT_EQ(TerraceFileBytes(*LoadTerraceFile(folder_.path() / "hall.terrace")), TerraceFileBytes(*map_));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1)
       << "something else is left";
+}
+
+TEST_F(CommandObeyerTest, LoadsASavedMapAndHearsWhereTheRobotIsInIt) {
+  map_ = std::make_shared<const TerrainMap>(ExampleMaps(3).First(12));
+  ASSERT_EQ(obeyer_.Obey(Command(command_v1_t::SAVE_MAP, "hall.terrace")).result, command_reply_v1_t::OK);
+  command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::LOAD_MAP, "hall.terrace"));
+  EXPECT_EQ(reply.result, command_reply_v1_t::OK) << reply.message;
+  EXPECT_THAT(reply.message, HasSubstr("stands by itself"));
+  ASSERT_NE(loaded_, nullptr);
+  EXPECT_EQ(TerraceFileBytes(*loaded_), TerraceFileBytes(*map_));
+  EXPECT_EQ(loaded_file_, "hall.terrace");
+  EXPECT_FALSE(body_);
+  reply = obeyer_.Obey(Command(command_v1_t::LOAD_MAP, "hall.terrace 1.5 -2 0.25 90"));
+  EXPECT_EQ(reply.result, command_reply_v1_t::OK) << reply.message;
+  ASSERT_TRUE(body_);
+  EXPECT_EQ(body_->p_map, Eigen::Vector3d(1.5, -2, 0.25));
+  EXPECT_DOUBLE_EQ(body_->yaw_rad, 0.5 * M_PI);
+  camera_known_ = false;
+  EXPECT_EQ(obeyer_.Obey(Command(command_v1_t::LOAD_MAP, "hall.terrace")).result,
+            command_reply_v1_t::REFUSED);
+}
+
+TEST_F(CommandObeyerTest, RefusesToLoadWhatIsDamagedOrPutNowhere) {
+  map_ = std::make_shared<const TerrainMap>(ExampleMaps(3).First(12));
+  ASSERT_EQ(obeyer_.Obey(Command(command_v1_t::SAVE_MAP, "hall.terrace")).result, command_reply_v1_t::OK);
+  for (const char* argument : {"", "other.terrace", "../hall.terrace", "hall.terrace 1 2 3",
+                               "hall.terrace 1 2 3 x", "hall.terrace 1 2 3 4 5", "hall.terrace 1 2 nan 4"}) {
+    const command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::LOAD_MAP, argument));
+    EXPECT_EQ(reply.result, command_reply_v1_t::REFUSED) << argument;
+  }
+  std::fstream file(folder_.path() / "hall.terrace", std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(200);
+  file.put('x');
+  file.close();
+  const command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::LOAD_MAP, "hall.terrace"));
+  EXPECT_EQ(reply.result, command_reply_v1_t::REFUSED);
+  EXPECT_THAT(reply.message, HasSubstr("byte"));
+  EXPECT_THAT(reply.message, HasSubstr("damaged"));
+  EXPECT_EQ(loaded_, nullptr);
 }
 
 TEST_F(CommandObeyerTest, RefusesNamesThatLeadElsewhereOrOntoResultsOfTheRun) {

@@ -8,12 +8,17 @@
 #include <terrace/command_reply_v1_t.hpp>
 #include <terrace/command_v1_t.hpp>
 #include <terrace/disparity_v1_t.hpp>
+#include <terrace/footstep_plan_v1_t.hpp>
 #include <terrace/height_map_v1_t.hpp>
+#include <terrace/heightmap_t.hpp>
+#include <terrace/localization_lcmt.hpp>
 #include <terrace/octree_v1_t.hpp>
 #include <terrace/terrain_repair_v1_t.hpp>
+#include <terrace/traversability_map_t.hpp>
 
 #include "lcmtypes/calibration_codec.h"
 #include "lcmtypes/image_codec.h"
+#include "lcmtypes/map_transform_codec.h"
 #include "lcmtypes/pose_codec.h"
 #include "lcmtypes/region_codec.h"
 #include "lcmtypes/request_codec.h"
@@ -91,6 +96,12 @@ TEST(SafeDecodeTest, KnowsTheLayoutOfEveryType) {
   EXPECT_EQ(static_cast<std::uint64_t>(terrain_repair_v1_t::getHash()), 0xdf59e08a291e842cu);
   EXPECT_EQ(static_cast<std::uint64_t>(status_v1_t::getHash()), 0x62d1b74a9cd822beu);
   EXPECT_EQ(static_cast<std::uint64_t>(terrain_v1_t::getHash()), 0xe388adea18aac77bu);
+  EXPECT_EQ(static_cast<std::uint64_t>(map_transform_v1_t::getHash()), 0x4151d4882e6d5dbau);
+  EXPECT_EQ(static_cast<std::uint64_t>(footstep_plan_v1_t::getHash()), 0x87eccbf934cd246bu);
+  // Those of MIT's Cheetah-Software, as its own lcm-gen writes them.
+  EXPECT_EQ(static_cast<std::uint64_t>(heightmap_t::getHash()), 0x3b90dc59b5359dcfu);
+  EXPECT_EQ(static_cast<std::uint64_t>(traversability_map_t::getHash()), 0x0cb76b76a8383192u);
+  EXPECT_EQ(static_cast<std::uint64_t>(localization_lcmt::getHash()), 0x786805dcf8f7ae70u);
 }
 
 TEST(SafeDecodeTest, RefusesAnotherType) {
@@ -186,6 +197,26 @@ TEST(SafeDecodeTest, SurvivesHostileGridsAndTrees) {
   disparity.n_values = 3;
   disparity.values = {1, 0, -2};
   Fuzz(disparity, 20);
+}
+
+TEST(SafeDecodeTest, SurvivesHostileTransformsAndPlans) {
+  MapTransform transform;
+  transform.t = {1600000000066666667};
+  transform.file = "hall.terrace";
+  transform.placing = MapPlacing::kGiven;
+  transform.reason = "somebody said so";
+  Fuzz(ToMessage(transform), 22);
+  footstep_plan_v1_t plan{};
+  plan.frame_id = "world";
+  plan.n_steps = 2;
+  plan.side = {0, 1};
+  plan.pos = plan.normal = {{1, 2, 3}, {4, 5, 6}};
+  plan.heading = {0.1, 0.2};
+  plan.sigma_height = {0.001f, 0.002f};
+  plan.label = plan.gait = {1, 0};
+  plan.region_id = {7, 8};
+  Fuzz(plan, 23);
+  Fuzz(localization_lcmt{}, 24);
 }
 
 TEST(SafeDecodeTest, SurvivesHostileRequests) {

@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "client/terrace_file.h"
 #include "client/terrain_client.h"
+#include "test/datasets/temporary_folder.h"
 #include "test/lcmtypes/example_maps.h"
 
 namespace terrace {
@@ -24,7 +26,7 @@ ReplayResult FinishedResult() {
 
 TEST(ResultServerTest, AClientThatComesLateHasTheMapThePoseAndTheState) {
   lcm::LCM lcm("memq://");
-  ResultServer server(&lcm, FinishedResult());
+  ResultServer server(&lcm, ServedMap(FinishedResult()));
   while (lcm.handleTimeout(0) > 0) {  // what was sent before the client came
   }
   TerrainClient client(&lcm);
@@ -41,6 +43,13 @@ TEST(ResultServerTest, AClientThatComesLateHasTheMapThePoseAndTheState) {
   EXPECT_EQ(client.newest_pose()->t_capture.ns, 1600000001000000000);
   EXPECT_TRUE(client.newest_pose()->T_world_body->translation().isApprox(Eigen::Vector3d(3, 2, 1)));
   EXPECT_EQ(client.Health().state, DaemonState::kRunning);
+}
+
+TEST(ResultServerTest, ServesWhatLiesInAFile) {
+  const TemporaryFolder folder;
+  const TerrainMapPtr map = ServedMap(FinishedResult());
+  SaveTerraceFile(folder.path() / "hall.terrace", *map);
+  EXPECT_EQ(TerraceFileBytes(*MapToServe(folder.path() / "hall.terrace")), TerraceFileBytes(*map));
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "client/query_types.h"
-#include "client/terrain_query.h"
+#include "terrace/client/query_types.h"
+#include "terrace/client/terrain_query.h"
 
 namespace terrace {
 

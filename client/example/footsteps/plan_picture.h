@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client/example/footsteps/footstep_search.h"
-#include "core/terrain_map.h"
+#include "terrace/core/terrain_map.h"
 
 namespace terrace {
 

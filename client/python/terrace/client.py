@@ -2,7 +2,7 @@
 """The daemon's map and pose in a planner's program."""
 import time
 
-from ._messages import pose_v1_t, status_v1_t
+from ._messages import map_transform_v1_t, pose_v1_t, status_v1_t
 from .follower import TerrainFollower
 
 
@@ -14,16 +14,19 @@ class TerrainClient:
     """
 
     def __init__(self, bus, terrain="TERRACE_TERRAIN", repair="TERRACE_REPAIR", pose="TERRACE_POSE_STATE",
-                 status="TERRACE_STATUS"):
+                 status="TERRACE_STATUS", map_transform="TERRACE_MAP_TRANSFORM"):
         self._bus, self._repair = bus, repair
         self._follower = TerrainFollower()
-        #: The newest pose_v1_t and status_v1_t; None before the first.
+        #: The newest pose_v1_t, status_v1_t, and map_transform_v1_t (of a loaded map); None before the first.
         self.pose = None
         self.status = None
+        self.map_transform = None
         #: Messages of another type, or damaged, by channel.
-        self.num_bad = {terrain: 0, pose: 0, status: 0}
+        self.num_bad = {terrain: 0, pose: 0, status: 0, map_transform: 0}
         bus.subscribe(terrain, self._on_terrain)
         bus.subscribe(pose, lambda channel, data: self._decode("pose", pose_v1_t, channel, data))
+        bus.subscribe(map_transform,
+                      lambda channel, data: self._decode("map_transform", map_transform_v1_t, channel, data))
         bus.subscribe(status, lambda channel, data: self._decode("status", status_v1_t, channel, data))
 
     @property

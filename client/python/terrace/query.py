@@ -10,7 +10,7 @@ from typing import FrozenSet, Optional
 
 import numpy as np
 
-from .terrain import WALKABLE, Edge
+from .terrain import LABELS, WALKABLE, Edge
 
 _CARRIES = 0.5  # what faces up less is no ground: cos 60 deg
 _STEP_M = 0.002  # between the places that are tried along the border of where a foot fits
@@ -52,6 +52,15 @@ class Foothold:
 
 
 @dataclasses.dataclass(frozen=True)
+class Clearance:
+    """How far a capsule is from all that is known."""
+    distance_m: float  #: from its surface to the nearest face; negative: to be moved by so much; inf: there is no face
+    gradient: np.ndarray  #: (3,) unit, world: the way in which a move takes it away from that face; zero: there is none
+    region_id: int  #: of that face; 0: there is none
+    occupancy: str  #: "free" (over seen ground; what hangs there unseen is not known), "occupied" or "unknown"
+
+
+@dataclasses.dataclass(frozen=True)
 class HeightGrid:
     """Heights of the highest ground; all arrays are (num_x, num_y), cell (i, j) about first_xy + cell_m * (i, j)."""
     first_xy: tuple
@@ -87,6 +96,13 @@ class _Shape:
         with np.errstate(divide="ignore", invalid="ignore"):
             at = ax + (y - ay) / (by - ay) * (bx - ax)
         return np.count_nonzero(crosses & (x < at), axis=1) % 2 == 1
+
+    def contains_point(self, point):
+        """Whether the point of the plane below a point lies inside, upright faces too."""
+        start, end, p = ((np.atleast_2d(q) - self.origin) @ self.axes.T for q in (self.start, self.end, point))
+        (x, y), ax, ay, bx, by = p[0], start[:, 0], start[:, 1], end[:, 0], end[:, 1]
+        k = np.flatnonzero((ay > y) != (by > y))
+        return np.count_nonzero(x < ax[k] + (y - ay[k]) / (by[k] - ay[k]) * (bx[k] - ax[k])) % 2 == 1
 
     def inside_columns(self, xs, ys):
         """The same for all points (x, y) of a grid with ascending ys: (len(xs), len(ys))."""
@@ -191,6 +207,37 @@ class TerrainQuery:
             grid.region_id[at] = region_id
         return grid
 
+    def capsule_clearance(self, a, b, radius_m, labels=None):
+        """How far all points within radius_m of the segment from a to b (a leg, a body) are from the faces of regions with
+        one of the labels (None: all): a Clearance."""
+        a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+        best = (math.inf, np.zeros(3), 0, False)
+        low, high = np.minimum(a, b), np.maximum(a, b)
+        to_box = np.linalg.norm(np.maximum(0.0, np.maximum(self._low - high, low - self._high)), axis=1)
+        for k in np.argsort(to_box, kind="stable"):
+            if to_box[k] > max(best[0], 0.0):
+                break
+            region_id = int(self._ids[k])
+            if labels is not None and self.terrain.regions[region_id].label not in labels:
+                continue
+            axis_m, away, from_behind = _approach(self._shapes[region_id], a, b)
+            if axis_m < best[0]:
+                best = (axis_m, away, region_id, from_behind)
+        distance = best[0] - radius_m
+        occupancy = "occupied" if distance <= 0.0 else "unknown"
+        if distance > 0.0 and not best[3] and self._over_seen_ground(a, b):
+            occupancy = "free"
+        return Clearance(distance, best[1], best[2], occupancy)
+
+    def _over_seen_ground(self, a, b):
+        steps = math.ceil(float(np.hypot(*(b - a)[:2])) / 0.05)
+        for i in range(steps + 1):
+            p = a + (b - a) * (i / steps if steps else 0.0)
+            below = self.support_at(p[0], p[1], z_max=p[2] if steps else min(a[2], b[2]), labels=LABELS)
+            if below is None or below.source == "predicted":
+                return False
+        return True
+
     @staticmethod
     def _sigma(region, shape, points):
         """Standard deviations of the plane's height at (n, 3) points of it."""
@@ -240,6 +287,41 @@ class TerrainQuery:
             if radius >= furthest:
                 return []
             radius = min(furthest, max(0.03, 2.0 * radius))
+
+
+def _approach(shape, a, b):
+    """How near the segment a-b comes to a face: distance (negative: through it by so much), the unit way from it, and whether
+    it lies behind the side that was seen."""
+    over_a, over_b = shape.normal @ (a - shape.origin), shape.normal @ (b - shape.origin)
+    if over_a * over_b < 0.0 and shape.contains_point(a + over_a / (over_a - over_b) * (b - a)):
+        up, down = -min(over_a, over_b), max(over_a, over_b)
+        return (-up, shape.normal, False) if up <= down else (-down, -shape.normal, False)
+    best, away, beside = math.inf, np.zeros(3), False
+    for point, over in ((a, over_a), (b, over_b)):
+        if abs(over) < best and shape.contains_point(point):
+            best, away = abs(over), over * shape.normal
+    between = _between_segments(a, b, shape.start, shape.end)
+    distances = np.linalg.norm(between, axis=1)
+    nearest = int(np.argmin(distances))
+    if distances[nearest] < best:
+        best, away, beside = float(distances[nearest]), between[nearest], True
+    length = np.linalg.norm(away)
+    return best, away / length if length > 0.0 else shape.normal, not beside and away @ shape.normal < 0.0
+
+
+def _between_segments(a, b, c, d):
+    """From the nearest point of each segment c-d to that of a-b: (m, 3). C. Ericson, "Real-Time Collision Detection", 2005,
+    section 5.1.9."""
+    u, v, r = b - a, d - c, a - c
+    uu, vv = u @ u, np.maximum(np.einsum("mk,mk->m", v, v), 1e-18)
+    ur, vr, uv = r @ u, np.einsum("mk,mk->m", v, r), v @ u
+    denominator = uu * vv - uv * uv
+    apart = denominator > 1e-18
+    s = np.where(apart, np.clip((uv * vr - ur * vv) / np.where(apart, denominator, 1.0), 0.0, 1.0), 0.0)
+    t = np.clip((uv * s + vr) / vv, 0.0, 1.0)
+    if uu > 1e-18:
+        s = np.clip((uv * t - ur) / uu, 0.0, 1.0)
+    return r + s[:, None] * u - t[:, None] * v
 
 
 def _at_margin(shape, k, margin):

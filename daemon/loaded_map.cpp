@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/loaded_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "core/map_difference.h"
+#include "core/print.h"
+#include "daemon/map_alignment.h"
+#include "daemon/terrain_publisher.h"
+
+namespace terrace {
+namespace {
+
+/// Whether what it is has been decided by what was seen.
+bool IsDecided(const TerrainRegion& region) {
+  return !region.predicted() && region.label != TerrainLabel::kUnknown;
+}
+
+bool SaysSomething(const MapDifference& d) {
+  return !d.added.empty() || !d.revised.empty() || !d.removed.empty() || !d.changed_staircases.empty() ||
+         !d.removed_staircases.empty();
+}
+
+}  // namespace
+
+LoadedMap::LoadedMap(const std::optional<Eigen::Isometry3d>& T_body_left)
+    : T_body_left_(T_body_left.value_or(LevelBody())) {}
+
+void LoadedMap::Load(TerrainMapPtr map, std::string file, const std::optional<BodyInMap>& body) {
+  const std::lock_guard lock(mutex_);
+  if (in_world_) ++more_map_ids_;
+  in_world_.reset();
+  loaded_ = std::move(map);
+  file_ = std::move(file);
+  body_ = body;
+  reason_ = body ? "no pose to put it by has come yet" : "nobody has said where the robot is in it";
+}
+
+std::optional<MapTransform> LoadedMap::transform() const {
+  const std::lock_guard lock(mutex_);
+  if (!loaded_) return std::nullopt;
+  MapTransform transform;
+  transform.t = t_;
+  transform.file = file_;
+  transform.reason = reason_;
+  if (!in_world_) return transform;
+  transform.map_id = joint_->map_id;
+  transform.placing = confirmed_ ? MapPlacing::kConfirmed : MapPlacing::kGiven;
+  transform.T_map_world = in_world_->place.T_map_world;
+  transform.covariance = in_world_->place.covariance;
+  return transform;
+}
+
+TerrainMapPtr LoadedMap::unplaced() const {
+  const std::lock_guard lock(mutex_);
+  return in_world_ ? nullptr : loaded_;
+}
+
+std::optional<std::int64_t> LoadedMap::OwnId(std::int64_t id) const {
+  const std::lock_guard lock(mutex_);
+  if (!in_world_) return id;
+  if (id <= in_world_->add_to_own_ids) return std::nullopt;
+  return id - in_world_->add_to_own_ids;
+}
+
+Explanations LoadedMap::InJointIds(Explanations own) const {
+  const std::lock_guard lock(mutex_);
+  if (!in_world_) return own;
+  const std::int64_t add = in_world_->add_to_own_ids;
+  const std::string note =
+      Printed(" Numbers in this text are the mapper's own: the map's are greater by %lld.",
+              static_cast<long long>(add));
+  for (RegionExplanation& region : own.regions) {
+    region.id += add;
+    region.text += note;
+  }
+  for (StaircaseExplanation& staircase : own.staircases) {
+    staircase.id += add;
+    staircase.text += note;
+  }
+  return own;
+}
+
+MapChange LoadedMap::Join(const MapChange& own, const PoseEstimate& pose) {
+  const std::lock_guard lock(mutex_);
+  t_ = pose.t_capture;
+  FollowTheWorld(*own.map);
+  const bool put = loaded_ && body_ && pose.trusted;
+  if (put) {
+    PutIntoWorld(*own.map, pose);
+  } else if (in_world_ && own.map != own_) {
+    TakeAwayWhatIsSeen(*own.map, own.before == own_ ? &own : nullptr);
+    if (pose.trusted) CompareWithWhatIsSeen(*own.map, pose);
+  }
+  const bool same = own.map == own_ && joint_ && joint_->map_id == own.map->map_id + more_map_ids_;
+  own_ = own.map;
+  if (more_map_ids_ == 0) return own;
+
+  MapChange change;
+  change.map_cells = own.map_cells;
+  change.map_bytes = own.map_bytes;
+  change.before = joint_;
+  if (!same) {
+    const TerrainMapPtr before = std::exchange(joint_, Joint(*own.map));
+    if (before && before->map_id == joint_->map_id) {
+      static_cast<MapDifference&>(change) = DifferenceBetween(*before, *joint_);
+    } else {
+      change.before = nullptr;
+    }
+  }
+  change.map = joint_;
+  return change;
+}
+
+/// Another world has nothing to do with the place in the old one, and a new map in the same world was asked
+/// for.
+void LoadedMap::FollowTheWorld(const TerrainMap& own) {
+  if (!own_ || own.map_id == own_->map_id) return;
+  in_world_.reset();
+  if (own.epoch == own_->epoch) {
+    loaded_.reset();
+    body_.reset();
+  } else {
+    reason_ = "tracking was lost and another world has begun: say again where the robot is";
+    if (loaded_) spdlog::warn("{}: {}", file_, reason_);
+  }
+}
+
+void LoadedMap::PutIntoWorld(const TerrainMap& own, const PoseEstimate& pose) {
+  prior_ = PlaceOf(*body_, pose.T_world_left * T_body_left_.inverse(), own.gravity, loaded_->gravity);
+  body_.reset();
+  confirmed_ = false;
+  num_frames_ = 0;
+  reason_ = "put where somebody said; what is seen has not confirmed it yet";
+  PutAt(prior_, own, pose.t_capture);
+  spdlog::info("{}: {}", file_, reason_);
+}
+
+void LoadedMap::PutAt(const MapPlace& place, const TerrainMap& own, Timestamp t) {
+  std::vector<TerrainRegion> regions;
+  for (const auto& region : loaded_->regions) {
+    regions.push_back(Placed(*region, place));
+    // A file from a clock that was ahead makes nothing new.
+    regions.back().last_seen = std::min(regions.back().last_seen, t);
+    regions.back().first_seen = std::min(regions.back().first_seen, t);
+  }
+  std::vector<Staircase> staircases;
+  for (const Staircase& staircase : loaded_->staircases) {
+    staircases.push_back(Placed(staircase, place));
+    staircases.back().last_seen = std::min(staircases.back().last_seen, t);
+  }
+  LoadedRegions in_world(regions);
+  std::int64_t add = in_world.first_free_id();
+  if (!staircases.empty()) add = std::max(add, staircases.back().id);
+  in_world_.emplace(InWorld{std::move(in_world), std::move(staircases), place, add, {}});
+  ++more_map_ids_;
+  TakeAwayWhatIsSeen(own, nullptr);
+}
+
+/// Now and then: what is seen may confirm the place, and make it exact.
+void LoadedMap::CompareWithWhatIsSeen(const TerrainMap& own, const PoseEstimate& pose) {
+  constexpr int kFramesUntilConfirmed = 15, kFramesOnceConfirmed = 150;
+  if (++num_frames_ < (confirmed_ ? kFramesOnceConfirmed : kFramesUntilConfirmed)) return;
+  num_frames_ = 0;
+  std::vector<TerrainRegion> regions;
+  for (const auto& region : loaded_->regions) regions.push_back(*region);
+  const Eigen::Vector3d body_world = (pose.T_world_left * T_body_left_.inverse()).translation();
+  const MapAlignment alignment = Align(regions, prior_, own, body_world);
+  const bool was_confirmed = std::exchange(confirmed_, alignment.confirmed);
+  reason_ = alignment.reason;
+  if (was_confirmed && !confirmed_)
+    spdlog::warn("{}: where it lies is no longer confirmed: {}", file_, reason_);
+  if (!confirmed_) return;
+  // From here on the world may drift away by as much as somebody may have been wrong.
+  prior_.T_map_world = alignment.place.T_map_world;
+  constexpr double kWorthMoving_m = 0.02, kWorthMoving_rad = 0.5 * M_PI / 180.0;
+  const Eigen::Isometry3d moved = in_world_->place.T_map_world.inverse() * alignment.place.T_map_world;
+  const bool far = (moved * body_world - body_world).norm() > kWorthMoving_m ||
+                   Eigen::AngleAxisd(moved.linear()).angle() > kWorthMoving_rad;
+  if (!was_confirmed || far) {
+    spdlog::info("{}: what is seen confirms where it lies, {:.3f} m and {:.2f} deg from where it was put",
+                 file_, (moved * body_world - body_world).norm(),
+                 Eigen::AngleAxisd(moved.linear()).angle() * 180.0 / M_PI);
+    PutAt(alignment.place, own, pose.t_capture);
+  }
+}
+
+void LoadedMap::TakeAwayWhatIsSeen(const TerrainMap& own, const MapDifference* changed) {
+  for (const auto& region : own.regions) {
+    const auto is_in = [&](const std::vector<std::int64_t>& ids) {
+      return std::binary_search(ids.begin(), ids.end(), region->id);
+    };
+    if (changed && !is_in(changed->added) && !is_in(changed->revised)) continue;
+    if (IsDecided(*region)) in_world_->regions.TakeAway(*region);
+  }
+}
+
+std::vector<Staircase> LoadedMap::OwnStaircases(const TerrainMap& own) const {
+  std::vector<Staircase> staircases = own.staircases;
+  for (Staircase& staircase : staircases) staircase.id += in_world_->add_to_own_ids;
+  return staircases;
+}
+
+/// The own map under another map_id, with what was loaded where it lies in the world.
+TerrainMapPtr LoadedMap::Joint(const TerrainMap& own) {
+  auto map = std::make_shared<TerrainMap>(own);
+  map->map_id += more_map_ids_;
+  if (in_world_) {
+    JoinedStaircases joined = terrace::Join(in_world_->staircases, OwnStaircases(own));
+    std::map<std::int64_t, Copy> copies;
+    map->regions.clear();
+    const auto add = [&](const std::shared_ptr<const TerrainRegion>& source, std::int64_t add_to_id) {
+      Copy copy = CopyOf(source, add_to_id, joined, in_world_->copies);
+      map->regions.push_back(copy.region);
+      copies.emplace_hint(copies.end(), copy.region->id, std::move(copy));
+    };
+    for (const auto& region : in_world_->regions.regions()) add(region, 0);
+    for (const auto& region : own.regions) {
+      // What is not decided yet, or only inferred, is not put beside what is known.
+      if (!IsDecided(*region) && in_world_->regions.Shows(*region)) continue;
+      add(region, in_world_->add_to_own_ids);
+    }
+    in_world_->copies = std::move(copies);
+    std::map<std::int64_t, std::vector<std::int64_t>> regions_of;
+    for (const auto& region : map->regions)
+      if (region->staircase_id) regions_of[*region->staircase_id].push_back(region->id);
+    for (Staircase& staircase : joined.staircases) staircase.region_ids = regions_of[staircase.id];
+    std::erase_if(joined.staircases, [](const Staircase& s) { return s.region_ids.empty(); });
+    map->staircases = std::move(joined.staircases);
+  }
+  map->seq += more_seqs_;
+  const bool goes_on = joint_ && joint_->map_id == map->map_id;
+  if (goes_on && map->seq == joint_->seq && SaysSomething(DifferenceBetween(*joint_, *map))) {
+    ++more_seqs_;
+    ++map->seq;
+  }
+  return map;
+}
+
+LoadedMap::Copy LoadedMap::CopyOf(const std::shared_ptr<const TerrainRegion>& source, std::int64_t add_to_id,
+                                  const JoinedStaircases& joined,
+                                  const std::map<std::int64_t, Copy>& before) {
+  Copy copy{source, std::nullopt, 0, nullptr};
+  if (source->staircase_id) {
+    const std::int64_t staircase_id = *source->staircase_id + add_to_id;
+    const auto moved = joined.places.find(staircase_id);
+    copy.place = moved == joined.places.end() ? JoinedStaircases::Place{staircase_id, 0} : moved->second;
+  }
+  if (const auto found = before.find(source->id + add_to_id); found != before.end()) {
+    const Copy& last = found->second;
+    if (last.source == source && last.place == copy.place) return last;
+    copy.more_revisions = last.more_revisions + (last.place == copy.place ? 0 : 1);
+  }
+  auto region = std::make_shared<TerrainRegion>(*source);
+  region->id += add_to_id;
+  region->revision += copy.more_revisions;
+  if (copy.place) {
+    region->staircase_id = copy.place->staircase_id;
+    if (region->step_index) *region->step_index += copy.place->add_to_step;
+  }
+  copy.region = std::move(region);
+  return copy;
+}
+
+}  // namespace terrace
