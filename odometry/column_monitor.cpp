@@ -18,8 +18,8 @@ constexpr double kOff_px = 0.7;
 constexpr double kOffSigmas = 6.0;
 /// One landmark's errors resemble its neighbours', as in the pose's covariance; and those of one frame are
 /// those of the next, so that what frames know is not summed up, and what is known wears off.
-constexpr double kCorrelation = 4.5, kKeep = 0.9;
-constexpr std::size_t kFewest = 25;  // landmarks of one keyframe
+constexpr double kAlikeFrames = 4.5, kKeptOfOld = 0.9;
+constexpr std::size_t kFewestOfOneHost = 25;  // landmarks of one keyframe
 
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
@@ -59,12 +59,12 @@ std::optional<std::string> ColumnMonitor::Update(const Window& window, const std
       of_hosts[window.landmarks[static_cast<std::size_t>(match.landmark)].host].push_back(&match);
   Fit best;
   for (const auto& [host, seen] : of_hosts) {
-    if (seen.size() < kFewest) continue;
+    if (seen.size() < kFewestOfOneHost) continue;
     const Fit fit =
         FitToHost(seen, window, window.at(host).T_world_left.inverse() * T_world_left, noise_scale);
     if (fit.information > best.information) best = fit;
   }
-  const double before = kKeep * information_, news = best.information / kCorrelation;
+  const double before = kKeptOfOld * information_, news = best.information / kAlikeFrames;
   if (before + news <= 0.0) return std::nullopt;
   // Weighed as if they were independent, which keeps the estimate calm.
   offset_px_ = (before * offset_px_ + news * best.offset_px) / (before + news);
