@@ -40,8 +40,8 @@ void ServeTheCheetah(const CheetahOptions& options) {
   std::string said;
   constexpr int kPatienceMs = 10;
   const PeerClock::time_point start = PeerClock::now();
-  while (!Interrupted() &&
-         (options.seconds == 0.0 || PeerClock::now() - start < std::chrono::duration<double>(options.seconds))) {
+  while (!Interrupted() && (options.seconds == 0.0 ||
+                            PeerClock::now() - start < std::chrono::duration<double>(options.seconds))) {
     HandleFor(&daemon, kPatienceMs);
     peer.Tick(PeerClock::now());
     if (peer.problem() == said) continue;
