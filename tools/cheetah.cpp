@@ -26,7 +26,7 @@ struct CheetahOptions {
 };
 
 void ServeTheCheetah(const CheetahOptions& options) {
-  using Clock = std::chrono::steady_clock;
+  using PeerClock = std::chrono::steady_clock;
   const Config config = ConfigOf(options.bus);
   CatchInterrupts();
   lcm::LCM daemon(config.live.url);
@@ -39,11 +39,11 @@ void ServeTheCheetah(const CheetahOptions& options) {
   std::printf("local_heightmap, traversability and global_to_robot on %s until Ctrl-C\n", url.c_str());
   std::string said;
   constexpr int kPatienceMs = 10;
-  const Clock::time_point start = Clock::now();
-  while (!Interrupted() &&
-         (options.seconds == 0.0 || Clock::now() - start < std::chrono::duration<double>(options.seconds))) {
+  const PeerClock::time_point start = PeerClock::now();
+  while (!Interrupted() && (options.seconds == 0.0 ||
+                            PeerClock::now() - start < std::chrono::duration<double>(options.seconds))) {
     HandleFor(&daemon, kPatienceMs);
-    peer.Tick(Clock::now());
+    peer.Tick(PeerClock::now());
     if (peer.problem() == said) continue;
     said = peer.problem();
     std::printf("%s\n",
