@@ -27,9 +27,6 @@ namespace {
 
 constexpr int kRangeStep = 16;  // of the settings
 constexpr int kMostDisparity_px = 256;
-/// Rows above and below a strip from which its paths come. With more the quality tier's planes are better by
-/// a tenth, the fast one's are not.
-constexpr int kFastLeadIn = 8;
 
 std::vector<CensusPair> CensusByName(const std::string& name) {
   if (name == "5x5") return Census5x5();
@@ -42,7 +39,6 @@ SemiGlobalSettings MatchingSettings(const DisparityConfig& config, const std::st
   settings.census = CensusByName(config.census != "auto" ? config.census : best_census);
   settings.penalties = {config.small_step_penalty, config.large_step_penalty, config.edge_step_penalty};
   settings.num_paths = config.paths;
-  if (config.tier == "fast") settings.lead_in = kFastLeadIn;
   settings.winner.uniqueness_percent = config.uniqueness_percent;
   settings.winner.max_left_right_error = static_cast<int>(std::lround(config.max_left_right_error_px));
   return settings;
