@@ -21,7 +21,7 @@ struct SemiGlobalSettings {
   int num_paths = 4;  ///< 2, 4 or 8
   WinnerRules winner;
   int rows_per_strip = 64;
-  int lead_in = 8;  ///< rows above and below a strip from which its paths come
+  int lead_in = 16;
 };
 
 /// Disparities from `first` on, `count` of them; both multiples of 16.
