@@ -20,6 +20,8 @@ constexpr double kOffSigmas = 6.0;
 /// those of the next, so that what frames know is not summed up, and what is known wears off.
 constexpr double kAlikeFrames = 4.5, kKeptOfOld = 0.9;
 constexpr std::size_t kFewestOfOneHost = 25;  // landmarks of one keyframe
+/// A fit whose last step was longer is none.
+constexpr double kConverged_px = 0.1;
 
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
@@ -81,10 +83,11 @@ std::optional<std::string> ColumnMonitor::Update(const Window& window, const std
 ColumnMonitor::Fit ColumnMonitor::FitToHost(const std::vector<const Match*>& matches, const Window& window,
                                             const Eigen::Isometry3d& T_host_left_start,
                                             double noise_scale) const {
-  constexpr int kRounds = 4;
+  constexpr int kRounds = 6;
   const double fb = camera_.fx * camera_.baseline_m;
   Eigen::Isometry3d T_host_left = T_host_left_start;
   Fit fit{offset_px_, 0.0};
+  double step = 0.0;
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::Isometry3d T_left_host = T_host_left.inverse();
     Normal sums;
@@ -115,7 +118,7 @@ ColumnMonitor::Fit ColumnMonitor::FitToHost(const std::vector<const Match*>& mat
     if (!of_offset || !of_right) return {};
     fit.information = sums.offset - sums.pose_offset.dot(*of_offset);
     if (!(fit.information > 0.0)) return {};
-    const double step = (sums.offset_right - sums.pose_offset.dot(*of_right)) / fit.information;
+    step = (sums.offset_right - sums.pose_offset.dot(*of_right)) / fit.information;
     constexpr double kMostStep_px = 2.0;
     const double taken = std::clamp(step, -kMostStep_px, kMostStep_px);
     fit.offset_px += taken;
@@ -123,7 +126,7 @@ ColumnMonitor::Fit ColumnMonitor::FitToHost(const std::vector<const Match*>& mat
     if (!pose_step.allFinite()) return {};
     T_host_left = Perturb(T_host_left, pose_step);
   }
-  return fit;
+  return std::abs(step) <= kConverged_px ? fit : Fit{};
 }
 
 }  // namespace terrace

@@ -40,9 +40,12 @@ class ColumnMonitor {
   Fit FitToHost(const std::vector<const Match*>& matches, const Window& window,
                 const Eigen::Isometry3d& T_host_left, double noise_scale) const;
 
+  /// What is known before anything is seen: calibrations are off by a few columns at most.
+  static constexpr double kPriorSigma_px = 3.0;
+
   StereoCamera camera_;
   double offset_px_ = 0.0;
-  double information_ = 0.0;
+  double information_ = 1.0 / (kPriorSigma_px * kPriorSigma_px);
   bool is_off_ = false;
 };
 

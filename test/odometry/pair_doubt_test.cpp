@@ -65,6 +65,18 @@ TEST(PairDoubtTest, SaysNothingOfAGoodPair) {
   }
 }
 
+TEST(PairDoubtTest, SaysNothingOfAGoodPairThatBeginsToMove) {
+  // The first millimetres know nothing of columns, and must not seem to.
+  for (const double speed : {0.0001, 0.0005, 0.001, 0.002, 0.005, 0.1}) {
+    VisualOdometry odometry({}, kCamera, {});
+    for (int i = 0; i < 30; ++i) {
+      const double moved = i < 3 ? 0.0 : speed * (i - 3) * (i - 3);
+      const PoseEstimate pose = odometry.Track(World().Frame(i, Walk(moved)), {});
+      EXPECT_TRUE(pose.trusted) << speed << ", " << i << ": " << pose.reason;
+    }
+  }
+}
+
 TEST(PairDoubtTest, SaysNothingOfARobotThatStands) {
   VisualOdometry odometry({}, kCamera, {});
   for (int i = 0; i < 10; ++i) {
