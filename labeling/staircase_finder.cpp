@@ -40,8 +40,8 @@ bool LiesWithin(const FoundStaircase& staircase, const RegionShape& shape) {
   const FlightModel& model = staircase.model;
   const PlacedFrame placed = FrameOf(model);
   const Interval lateral = placed.frame->LateralExtent(shape);
-  constexpr double kBeside = 0.1;
-  if (lateral.Overlap(placed.lateral) < -kBeside) return false;
+  constexpr double kMostGap_m = 0.1;
+  if (lateral.Overlap(placed.lateral) < -kMostGap_m) return false;
   const double step = (shape.centroid.z() - model.foot_z) / model.rise_m;
   const double edge = placed.foot_along_m + (step - 1.0) * model.run_m;
   const double along = placed.frame->Unwrapped(placed.frame->AlongExtent(shape, lateral).middle(), edge);
