@@ -106,7 +106,7 @@ std::vector<Pair> PairsOf(const std::vector<Face>& loaded, const std::vector<Fac
       if (!other.shape->box_world().intersects(box)) continue;
       if (face.shape->normal_world().dot(other.shape->normal_world()) < std::cos(kMaxFacesApart_rad))
         continue;
-      Eigen::Vector3d middle_world;
+      Eigen::Vector3d middle_world = Eigen::Vector3d::Zero();
       const double common_m2 = CommonPart(other, face, &middle_world);
       if (common_m2 < kMinCommon_m2) continue;
       pairs.push_back(PairOf(other, face, middle_world, common_m2));

@@ -48,7 +48,7 @@ CheetahMaps CheetahMapsOf(const TerrainQuery& query, const Eigen::Isometry3d& T_
       const double z = cell.known() ? static_cast<double>(cell.height_m) : under;
       maps.heights.map[i][j] = z - ground_z_world;
       const Eigen::Vector2d xy = spec.first_xy + kCell_m * Eigen::Vector2d(i, j);
-      maps.traversability.map[i][j] = !cell.known()                                      ? kNotKnown
+      maps.traversability.map[i][j] = !cell.known()                                      ? kUnseenGround
                                       : MayStand(query, cell, {xy.x(), xy.y(), z}, foot) ? kMayStand
                                                                                          : kMayNotStand;
     }
@@ -59,7 +59,7 @@ CheetahMaps CheetahMapsOf(const TerrainQuery& query, const Eigen::Isometry3d& T_
 CheetahMaps CheetahMapsOfNothing(const Eigen::Vector3d& body_world, double ground_z_world) {
   CheetahMaps maps;
   SetRobot(body_world, ground_z_world, &maps);
-  for (auto& row : maps.traversability.map) std::fill(std::begin(row), std::end(row), kNotKnown);
+  for (auto& row : maps.traversability.map) std::fill(std::begin(row), std::end(row), kUnseenGround);
   return maps;
 }
 

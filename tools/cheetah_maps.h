@@ -22,8 +22,8 @@ struct CheetahMaps {
 
 /// Numbers of traversability_map_t: the walker sets its feet where there is a zero, and nowhere else.
 inline constexpr int kMayStand = 0;
-inline constexpr int kMayNotStand = 1;  ///< known, and not fit for a foot
-inline constexpr int kNotKnown = 2;     ///< nobody has seen it
+inline constexpr int kMayNotStand = 1;   ///< known, and not fit for a foot
+inline constexpr int kUnseenGround = 2;  ///< nobody has seen it
 
 /// 100 x 100 cells of 0.015 m with [50][50] under the body. Heights of cells that nobody has seen say
 /// nothing: they have that of the ground under the robot, so that no obstacle is made up, and no foot may

@@ -94,8 +94,8 @@ TEST(CheetahPeerTest, TheWalkerHearsWhereTheGroundIsAndWhereNothingIsKnown) {
   EXPECT_NEAR(height(0.5, 0.05), kTop, 1e-6);
   EXPECT_EQ(stand(0.5, 0.05), kMayNotStand) << "an obstacle";
   EXPECT_EQ(stand(0.27, 0.05), kMayNotStand) << "3 cm before a drop";
-  EXPECT_EQ(stand(-0.15, -0.38), kNotKnown) << "the hole";
-  EXPECT_EQ(stand(0.1, 0.6), kNotKnown) << "never seen";
+  EXPECT_EQ(stand(-0.15, -0.38), kUnseenGround) << "the hole";
+  EXPECT_EQ(stand(0.1, 0.6), kUnseenGround) << "never seen";
   EXPECT_NEAR(height(0.1, 0.6), 0.0, 1e-6) << "no obstacle is made up";
 }
 
@@ -112,7 +112,7 @@ TEST(CheetahPeerTest, EveryCellThatMayBeStoodOnKeepsTheSoleOnItsRegion) {
       const Eigen::Vector2d xy(0.2 + 0.015 * (i - 50), -0.1 + 0.015 * (j - 50));
       const auto supports = query.SupportsAt(xy);
       const int stand = maps.traversability.map[i][j];
-      EXPECT_EQ(stand == kNotKnown, supports.empty());
+      EXPECT_EQ(stand == kUnseenGround, supports.empty());
       if (stand != kMayStand) continue;
       ++num_stands;
       EXPECT_TRUE(kWalkableLabels.Has(supports.front().label));
@@ -135,7 +135,7 @@ TEST(CheetahPeerTest, TellsTheWalkerThatNothingIsKnownWhileNobodySpeaks) {
   EXPECT_FALSE(walker.localization);
   ASSERT_TRUE(walker.traversability);
   for (const auto& row : walker.traversability->map)
-    for (const int cell : row) EXPECT_EQ(cell, kNotKnown);
+    for (const int cell : row) EXPECT_EQ(cell, kUnseenGround);
 }
 
 TEST(CheetahPeerTest, TurnsAnglesAsTheWalkerDoes) {
