@@ -162,6 +162,22 @@ double DepthThatShows(const FlightModel& model, int k, const Sight& sight) {
   return above > 0.0 ? model.run_m - model.rise_m * before / above : 0.0;
 }
 
+/// Whether a tread lies in a slope as steep as the flight, in which its steps have merged from afar: then it
+/// is not resolved yet rather than missing.
+bool LiesInSlope(const FlightModel& model, int k, const std::vector<RegionShapePtr>& shapes) {
+  constexpr double kAlike_rad = 0.2;
+  constexpr double kWithin = 0.6;  // of the rise
+  // The outer part of a tread is what shows of it from above.
+  constexpr double kOuter = 0.25;
+  const Eigen::Vector2d p = model.EdgePoint(k + kOuter, model.lateral.middle());
+  const double z = model.foot_z + k * model.rise_m;
+  const double pitch_rad = std::atan2(model.rise_m, model.run_m);
+  return std::any_of(shapes.begin(), shapes.end(), [&](const RegionShapePtr& shape) {
+    return std::abs(shape->slope_rad - pitch_rad) < kAlike_rad && shape->PlanDistance(p) <= 0.0 &&
+           std::abs(shape->HeightAt(p) - z) < kWithin * model.rise_m;
+  });
+}
+
 /// The steps that the camera could see from where it is, and those that were seen.
 std::set<StepKey> StepsToBeSeen(const FlightModel& model, const FlightEnds& ends, const Sight& sight,
                                 const Evidence& evidence, const std::vector<RegionShapePtr>& shapes) {
@@ -173,7 +189,7 @@ std::set<StepKey> StepsToBeSeen(const FlightModel& model, const FlightEnds& ends
     const Eigen::Vector2d edge = model.EdgePoint(k, model.lateral.middle());
     if (!open && model.UpAt(k).dot(edge - sight.eye().head<2>()) > 0.0) steps.insert({k, true});
     if (k <= ends.num_treads() && sight.eye().z() > model.foot_z + k * model.rise_m + kAboveTread &&
-        DepthThatShows(model, k, sight) >= kShows)
+        DepthThatShows(model, k, sight) >= kShows && !LiesInSlope(model, k, shapes))
       steps.insert({k, false});
   }
   return steps;

@@ -222,6 +222,36 @@ TEST(StaircaseFinderTest, CountsAFlightDownByItsFirstTreadsAndTheFloorBelow) {
   EXPECT_EQ(found[0].evidence.num_to_see, 2);
 }
 
+TEST(StaircaseFinderTest, MissesNoTreadInASlopeInWhichStepsFarDownHaveMerged) {
+  constexpr int kRisers = 7;
+  const double foot_x = kEdgeX + (kRisers - 1) * kRunDown;
+  for (const bool merged : {false, true}) {
+    LabelScene scene;
+    scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 2.0 * (kEdgeX - 1), 1.6);
+    for (int k = 1; k <= 2; ++k)
+      scene.AddLevel(TerrainLabel::kStairTread, {kEdgeX + k * kRunDown - 0.08, 0, -k * kRiseDown}, 0.16, 1.6);
+    scene.AddLevel(TerrainLabel::kWalkway, {foot_x + 1.7, 0, -kRisers * kRiseDown}, 3, 1.6);
+    if (merged) {
+      const auto z = [](double x) { return -(x - kEdgeX) * kRiseDown / kRunDown; };
+      const double a = kEdgeX + 2.1 * kRunDown, b = foot_x;
+      scene.Add(
+          {{{a, -0.8, z(a)}, {b, -0.8, z(b)}, {b, 0.8, z(b)}, {a, 0.8, z(a)}}, {}, TerrainLabel::kUnknown});
+    }
+    Sight sight = FromAbove();
+    sight.T_level_left.translation().x() = kEdgeX - 0.2;  // most of every tread could be seen
+    const auto found =
+        StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, sight, true);
+    if (!merged) {
+      EXPECT_TRUE(found.empty()) << "four treads are not where they could be seen";
+      continue;
+    }
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].num_risers, kRisers);
+    EXPECT_EQ(found[0].evidence.num_seen, 2);
+    EXPECT_EQ(found[0].evidence.num_to_see, 2);
+  }
+}
+
 TEST(StaircaseFinderTest, ClaimsNoFloorThatLiesAtNoWholeNumberOfSteps) {
   LabelScene scene;
   scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 2.0 * (kEdgeX - 1), 1.6);
