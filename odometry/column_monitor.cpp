@@ -67,7 +67,6 @@ std::optional<std::string> ColumnMonitor::Update(const Window& window, const std
     if (fit.information > best.information) best = fit;
   }
   const double before = kKeptOfOld * information_, news = best.information / kAlikeFrames;
-  if (before + news <= 0.0) return std::nullopt;
   // Weighed as if they were independent, which keeps the estimate calm.
   offset_px_ = (before * offset_px_ + news * best.offset_px) / (before + news);
   // A robot that stands learns nothing new, and forgets nothing.
