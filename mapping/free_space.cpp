@@ -2,6 +2,7 @@
 #include "mapping/free_space.h"
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "mapping/point_summing.h"
@@ -10,6 +11,9 @@ namespace terrace {
 namespace {
 
 constexpr FrameId kTurns = 2;  // a power of two
+
+/// Rounded up.
+std::uint16_t Half(std::uint16_t count) { return static_cast<std::uint16_t>((count + 1) / 2); }
 
 }  // namespace
 
@@ -55,38 +59,36 @@ void FreeSpace::CheckLeaves(const LeafIndex& corner, Cell* cell, LeafTree* tree)
   const auto is_cleared = [&](int index) {
     Evidence& leaf = tree->leaves().evidence(index);
     const Eigen::Vector3i in_cell(leaf.corner[0], leaf.corner[1], leaf.corner[2]);
-    if (!CheckLeaf(in_cell, corner_left, &leaf, cell)) return false;
-    tree->leaves().GiveBack(index);
-    return true;
+    const LeafState state = CheckLeaf(in_cell, corner_left, &leaf);
+    if ((state == LeafState::kOccupied) != (leaf.occupied != 0)) ++cell->num_changed_leaves;
+    tree->leaves().SetOccupied(index, state == LeafState::kOccupied);
+    if (state == LeafState::kCleared) tree->leaves().GiveBack(index);
+    return state == LeafState::kCleared;
   };
   std::erase_if(cell->leaves, is_cleared);
 }
 
-/// True when the leaf has been seen through too often.
-bool FreeSpace::CheckLeaf(const Eigen::Vector3i& in_cell, const Eigen::Vector3f& corner_left, Evidence* leaf,
-                          Cell* cell) const {
+FreeSpace::LeafState FreeSpace::CheckLeaf(const Eigen::Vector3i& in_cell, const Eigen::Vector3f& corner_left,
+                                          Evidence* leaf) const {
   const float half = 0.5F * static_cast<float>(1 << leaf->level);
   const Eigen::Vector3f centre =
       corner_left + R_left_leaves_ * (in_cell.cast<float>() + Eigen::Vector3f::Constant(half));
   const ViewTiles::View view = tiles_.ViewOf(centre, 1.74F * half * static_cast<float>(config_.leaf_size_m),
                                              static_cast<float>(config_.free_margin_px));
   if (view != ViewTiles::View::kNone) {
-    leaf->num_views += 1.0F;
-    if (leaf->hit_frame == frame_id_) leaf->num_hits += 1.0F;
-    if (leaf->num_views > static_cast<float>(config_.memory_frames)) {
-      leaf->num_views *= 0.5F;
-      leaf->num_hits *= 0.5F;
+    ++leaf->num_views;
+    if (leaf->hit_frame == Evidence::FrameBits(frame_id_)) ++leaf->num_hits;
+    if (leaf->num_views > config_.memory_frames) {
+      leaf->num_views = Half(leaf->num_views);
+      leaf->num_hits = Half(leaf->num_hits);
     }
   }
-  const bool was_occupied = leaf->occupied;
-  const bool cleared = view == ViewTiles::View::kThrough && --leaf->credit < 0;
-  leaf->occupied = !cleared && IsOccupied(*leaf);
-  if (leaf->occupied != was_occupied) ++cell->num_changed_leaves;
-  return cleared;
+  if (view == ViewTiles::View::kThrough && --leaf->credit < 0) return LeafState::kCleared;
+  return IsOccupied(*leaf) ? LeafState::kOccupied : LeafState::kNoise;
 }
 
 bool FreeSpace::IsOccupied(const Evidence& leaf) const {
-  return leaf.enough_points && leaf.num_hits >= static_cast<float>(config_.min_hit_share) * leaf.num_views;
+  return leaf.enough_points && leaf.num_hits >= config_.min_hit_share * leaf.num_views;
 }
 
 }  // namespace terrace

@@ -41,8 +41,13 @@ class FreeSpace {
   /// Cells take turns, so that a frame checks one in so many.
   bool HasItsTurn(const CellKey& key) const;
   void CheckLeaves(const LeafIndex& corner, Cell* cell, LeafTree* tree) const;
-  bool CheckLeaf(const Eigen::Vector3i& in_cell, const Eigen::Vector3f& corner_left, Evidence* leaf,
-                 Cell* cell) const;
+  enum class LeafState {
+    kOccupied,
+    kNoise,    ///< or hardly known
+    kCleared,  ///< seen through too often
+  };
+  LeafState CheckLeaf(const Eigen::Vector3i& in_cell, const Eigen::Vector3f& corner_left,
+                      Evidence* leaf) const;
   bool IsOccupied(const Evidence& leaf) const;
 
   const MappingConfig& config_;

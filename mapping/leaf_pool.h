@@ -7,41 +7,9 @@
 #include <memory>
 #include <vector>
 
-#include <Eigen/Core>
-
-#include "core/time.h"
-#include "mapping/point_moments.h"
+#include "mapping/leaf.h"
 
 namespace terrace {
-
-constexpr int kNothing = -1;  ///< instead of an index
-
-/// What is known of the surface in a leaf: a cache line.
-struct alignas(64) Leaf {
-  PointMoments moments;
-  Eigen::Vector3f view_sum = Eigen::Vector3f::Zero();  ///< weight * unit direction of view
-  float num_frames = 0.0F;                             ///< that put points into it
-  float spacing_m = 0.0F;
-};
-static_assert(sizeof(Leaf) == 64);
-
-/// Whether a leaf is occupied, and what says so. Apart from the surface, since every frame checks many leaves
-/// that it adds nothing to.
-struct Evidence {
-  std::array<std::uint8_t, 3> corner{};  ///< lowest one, from that of the cell, in finest leaves
-  std::uint8_t level = 0;
-  int cell = kNothing;  ///< that holds the leaf; kNothing when the leaf is gone
-  /// Frames that had the leaf in view, nothing in front of it, when its turn came to be checked; and those of
-  /// them that put points into it.
-  float num_views = 0.0F;
-  float num_hits = 0.0F;
-  FrameId hit_frame = -1;
-  int credit = 0;  ///< frames that hit it minus frames that saw through it; cleared below zero
-  bool enough_points = false;
-  bool occupied = false;
-  bool alone = false;  ///< without a coarser leaf above it; none comes while it is there
-};
-static_assert(sizeof(Evidence) == 32);
 
 /// A row of items that grows by pieces: what is in it stays where it is, and no room is kept for twice as
 /// many.
@@ -89,6 +57,8 @@ class Pool {
   }
   T& operator[](int index) { return items_[index]; }
   const T& operator[](int index) const { return items_[index]; }
+  /// Slots in use and free ones.
+  int num_slots() const { return static_cast<int>(items_.size()); }
   std::int64_t num_used() const { return static_cast<std::int64_t>(items_.size() - free_.size()); }
   std::int64_t memory_bytes() const {
     return items_.memory_bytes() + static_cast<std::int64_t>(free_.capacity() * sizeof(int));
@@ -109,8 +79,15 @@ class LeafPool {
     return index;
   }
   void GiveBack(int index) {
+    SetOccupied(index, false);
     evidence_[index].cell = kNothing;
     leaves_.GiveBack(index);
+  }
+  /// The only way in which leaves become occupied, or no longer are.
+  void SetOccupied(int index, bool occupied) {
+    Evidence& evidence = evidence_[index];
+    num_occupied_ += int{occupied} - int{evidence.occupied};
+    evidence.occupied = occupied & 1;
   }
   Leaf& leaf(int index) { return leaves_[index]; }
   const Leaf& leaf(int index) const { return leaves_[index]; }
@@ -122,11 +99,13 @@ class LeafPool {
     __builtin_prefetch(&evidence_[index]);
   }
   std::int64_t num_used() const { return leaves_.num_used(); }
+  std::int64_t num_occupied() const { return num_occupied_; }
   std::int64_t memory_bytes() const { return leaves_.memory_bytes() + evidence_.memory_bytes(); }
 
  private:
   Pool<Leaf> leaves_;
   Chunks<Evidence> evidence_;
+  std::int64_t num_occupied_ = 0;
 };
 
 }  // namespace terrace

@@ -164,7 +164,7 @@ LeafPlace LeafTree::FindOrMake(const FrameLeaf& seen, const CellKey& cell, Frame
     Evidence& coarse = leaves_.evidence(*at);
     if (Rank(coarse.corner, coarse.level) != rank) continue;
     coarser_.push_back(*at);
-    coarse.hit_frame = frame_id;
+    coarse.hit_frame = Evidence::FrameBits(frame_id);
   }
   const int rank = Rank(corner, level);
   const auto at = FirstFrom(rank, leaves_, &in_cell);
@@ -179,7 +179,7 @@ LeafPlace LeafTree::FindOrMake(const FrameLeaf& seen, const CellKey& cell, Frame
     place.leaf = leaves_.Take();
     Evidence& evidence = leaves_.evidence(place.leaf);
     evidence.corner = corner;
-    evidence.level = static_cast<std::uint8_t>(level);
+    evidence.level = static_cast<std::uint8_t>(level) & 31U;
     evidence.cell = place.cell;
     const std::size_t capacity = in_cell.capacity();
     in_cell.insert(at, place.leaf);
@@ -196,6 +196,17 @@ void LeafTree::DropCoarser(Cell* cell) {
     ++cell->num_changed_leaves;
   }
   coarser_.clear();
+}
+
+void LeafTree::DropUnoccupied(Cell* cell) {
+  std::erase_if(cell->leaves, [&](int index) {
+    if (leaves_.evidence(index).occupied) return false;
+    leaves_.GiveBack(index);
+    return true;
+  });
+  const std::size_t capacity = cell->leaves.capacity();
+  cell->leaves.shrink_to_fit();
+  list_bytes_ -= static_cast<std::int64_t>((capacity - cell->leaves.capacity()) * sizeof(int));
 }
 
 void LeafTree::GiveBackCell(int slot) {

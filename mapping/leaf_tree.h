@@ -50,6 +50,8 @@ class LeafTree {
 
   explicit LeafTree(const MappingConfig& config);
 
+  /// Slots of cells, free ones among them, which have no leaves.
+  int num_cell_slots() const { return cells_.num_slots(); }
   Cell& cell(int slot) { return cells_[slot]; }
   const Cell& cell(int slot) const { return cells_[slot]; }
   LeafPool& leaves() { return leaves_; }
@@ -68,6 +70,8 @@ class LeafTree {
   LeafPlace FindOrMake(const FrameLeaf& seen, const CellKey& cell, FrameId frame_id);
   /// Takes the coarser leaves out that the last FindOrMake came by.
   void DropCoarser(Cell* cell);
+  /// Takes the leaves out that are not occupied, and gives back the room that the cell's list does not need.
+  void DropUnoccupied(Cell* cell);
 
   /// Calls `use(slot, corner)` for each cell below nodes for which `inside(corner, size)` holds; corner
   /// is the lowest one, nearest to `near`; both in finest leaves.

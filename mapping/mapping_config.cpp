@@ -24,9 +24,9 @@ std::vector<std::string> MappingConfig::Problems() const {
     problems.push_back("depth_sigma_factor must be above 0 and at most 100");
   if (!(pose_sigma_m > 0.0 && pose_sigma_m <= 1.0))
     problems.push_back("pose_sigma_m must be above 0 and at most 1");
-  if (memory_frames < 2) problems.push_back("memory_frames must be at least 2");
+  if (memory_frames < 2 || memory_frames > 250) problems.push_back("memory_frames must be between 2 and 250");
   if (!(free_margin_px > 0.0)) problems.push_back("free_margin_px must be above 0");
-  if (free_frames < 1) problems.push_back("free_frames must be at least 1");
+  if (free_frames < 1 || free_frames > 100) problems.push_back("free_frames must be between 1 and 100");
   if (!(window_m >= 1.0)) problems.push_back("window_m must be at least 1");
   if (!(keep_beyond_m == 0.0 || keep_beyond_m >= window_m))
     problems.push_back("keep_beyond_m must be 0 or at least window_m");

@@ -29,18 +29,6 @@ struct PointMoments {
     sum_outer[4] += wy * p.z();
     sum_outer[5] += wz * p.z();
   }
-  void Add(const PointMoments& other) {
-    weight += other.weight;
-    num_points += other.num_points;
-    for (int i = 0; i < 3; ++i) sum[i] += other.sum[i];
-    for (int i = 0; i < 6; ++i) sum_outer[i] += other.sum_outer[i];
-  }
-  void Scale(float factor) {
-    weight *= factor;
-    num_points *= factor;
-    for (float& value : sum) value *= factor;
-    for (float& value : sum_outer) value *= factor;
-  }
 };
 
 }  // namespace terrace

@@ -15,32 +15,27 @@
 namespace terrace {
 namespace {
 
-constexpr float kFramesToReplace = 3.0F;  // that a fine leaf is known by before coarse ones give way
-constexpr int kForgottenBlocks = 4;       // a frame, at most; a walking robot leaves less than one behind
+constexpr int kFramesToReplace = 3;  // that a fine leaf is known by before coarse ones give way
+constexpr int kTidyTurns = 32;       // frames in which every cell is looked through once
+constexpr int kForgottenBlocks = 4;  // a frame, at most; a walking robot leaves less than one behind
 
 Surfel SurfelOf(const Leaf& leaf, const Evidence& evidence, const MappingConfig& config) {
-  const PointMoments& m = leaf.moments;
   const float leaf_m = static_cast<float>(config.leaf_size_m);
   const auto size = static_cast<float>(1 << evidence.level);
   const Eigen::Vector3f in_cell(evidence.corner[0], evidence.corner[1], evidence.corner[2]);
   const Eigen::Vector3f centre =
       leaf_m *
       (in_cell + Eigen::Vector3f::Constant(0.5F * (size - static_cast<float>(config.leaves_per_cell))));
-  const Eigen::Vector3f mean = Eigen::Vector3f(m.sum[0], m.sum[1], m.sum[2]) / m.weight;
   Surfel surfel;
-  surfel.mean = centre + mean;
-  Eigen::Matrix3f outer;
-  outer << m.sum_outer[0], m.sum_outer[1], m.sum_outer[2],  //
-      m.sum_outer[1], m.sum_outer[3], m.sum_outer[4],       //
-      m.sum_outer[2], m.sum_outer[4], m.sum_outer[5];
-  surfel.covariance = outer / m.weight - mean * mean.transpose();
-  surfel.view = leaf.view_sum.normalized();
-  // Points are weighted by 1 / variance, so count over weight is their mean variance.
-  surfel.sigma_view_m = std::sqrt(m.num_points / m.weight);
-  surfel.num_points = m.num_points;
-  surfel.num_frames = leaf.num_frames;
   surfel.size_m = size * leaf_m;
-  surfel.spacing_m = leaf.spacing_m;
+  surfel.mean = centre + leaf.Mean_m(surfel.size_m);
+  surfel.covariance = leaf.Covariance_m2(surfel.size_m);
+  surfel.view = leaf.View();
+  // Points are weighted by 1 / variance, so count over weight is their mean variance.
+  surfel.sigma_view_m = std::sqrt(leaf.num_points() / leaf.weight);
+  surfel.num_points = leaf.num_points();
+  surfel.num_frames = evidence.num_frames;
+  surfel.spacing_m = static_cast<float>(leaf.spacing_m);
   return surfel;
 }
 
@@ -60,6 +55,7 @@ class TerrainOctree::Impl {
     tiles_.Widen();
     FreeSpace free(config_, camera, pose.T_world_left, cloud.frame_id, tiles_);
     free.Check(&tree_, [this](Cell* cell) { report_.Touch(cell); });
+    DropOldNoise(cloud.frame_id);
     return {cloud.frame_id, cloud.t_capture, report_.Take(&tree_)};
   }
 
@@ -94,13 +90,13 @@ class TerrainOctree::Impl {
         const LeafIndex corner =
             cell_corner + LeafIndex(evidence.corner[0], evidence.corner[1], evidence.corner[2]);
         if (evidence.occupied && reaches_in(corner, 1 << evidence.level))
-          found.push_back({corner, evidence.level, std::max(1, evidence.credit)});
+          found.push_back({corner, evidence.level, std::max<int>(1, evidence.credit)});
       }
     });
     return found;
   }
 
-  std::int64_t num_leaves() const { return tree_.leaves().num_used(); }
+  const LeafPool& leaves() const { return tree_.leaves(); }
   std::int64_t memory_bytes() const { return tree_.memory_bytes() + frame_leaves_.memory_bytes(); }
 
  private:
@@ -130,31 +126,43 @@ class TerrainOctree::Impl {
   void AddToLeaf(const PointMoments& moments, const Eigen::Vector3d& ray, const StereoCamera& camera,
                  int index) {
     Leaf& leaf = tree_.leaves().leaf(index);
-    if (leaf.num_frames >= static_cast<float>(config_.memory_frames)) {
-      const float fade = 1.0F - 1.0F / static_cast<float>(config_.memory_frames);
-      leaf.moments.Scale(fade);
-      leaf.view_sum *= fade;
-      leaf.num_frames *= fade;
-    }
-    const float range = static_cast<float>(ray.norm());
-    leaf.view_sum += moments.weight / std::max(range, 1e-3F) * ray.cast<float>();
-    leaf.moments.Add(moments);
-    leaf.num_frames += 1.0F;
-    const float spacing = range / static_cast<float>(camera.fx);
-    if (leaf.spacing_m == 0.0F || spacing < leaf.spacing_m) leaf.spacing_m = spacing;
+    Evidence& evidence = tree_.leaves().evidence(index);
+    if (evidence.num_frames < config_.memory_frames)
+      ++evidence.num_frames;
+    else
+      leaf.Fade(1.0F - 1.0F / static_cast<float>(config_.memory_frames));
+    const float range = std::max(static_cast<float>(ray.norm()), 1e-3F);
+    leaf.Add(moments, ray.cast<float>() / range,
+             static_cast<float>(config_.leaf_size_m * (1 << evidence.level)));
+    const auto spacing_m = Eigen::half(range / static_cast<float>(camera.fx));
+    if (leaf.spacing_m == Eigen::half(0.0F) || spacing_m < leaf.spacing_m) leaf.spacing_m = spacing_m;
   }
 
   void Confirm(int index, FrameId frame_id, Cell* cell) {
     const Leaf& leaf = tree_.leaves().leaf(index);
     Evidence& evidence = tree_.leaves().evidence(index);
-    evidence.hit_frame = frame_id;
-    evidence.credit = std::min(evidence.credit + 1, config_.free_frames);
-    evidence.enough_points = leaf.moments.num_points >= static_cast<float>(config_.min_points) &&
-                             leaf.num_frames >= static_cast<float>(config_.min_frames);
+    evidence.hit_frame = Evidence::FrameBits(frame_id);
+    evidence.credit = static_cast<std::int8_t>(std::min(evidence.credit + 1, config_.free_frames));
+    evidence.enough_points = leaf.num_points() >= static_cast<float>(config_.min_points) &&
+                             evidence.num_frames >= config_.min_frames;
     // Coarse leaves, seen from afar, give way to a finer one that is well known.
-    if (leaf.num_frames < kFramesToReplace) return;
+    if (evidence.num_frames < kFramesToReplace) return;
     tree_.DropCoarser(cell);
     evidence.alone = true;
+  }
+
+  /// What nothing was added to for as long as a leaf remembers, and has not become occupied by then, is noise
+  /// or hardly known: two leaves in five. Some cells are looked through in every frame, the next ones in the
+  /// next.
+  void DropOldNoise(FrameId frame_id) {
+    const int num_slots = tree_.num_cell_slots();
+    for (int i = 0; i < num_slots / kTidyTurns + 1 && num_slots > 0; ++i) {
+      next_tidied_ = (next_tidied_ + 1) % num_slots;
+      Cell& cell = tree_.cell(next_tidied_);
+      if (cell.leaves.empty() || frame_id - cell.touched_frame <= config_.memory_frames) continue;
+      tree_.DropUnoccupied(&cell);
+      if (cell.leaves.empty()) report_.Touch(&cell);
+    }
   }
 
   const MappingConfig config_;
@@ -162,6 +170,7 @@ class TerrainOctree::Impl {
   FrameLeaves frame_leaves_;
   ViewTiles tiles_;
   ChangeReport report_;
+  int next_tidied_ = 0;  // slot of a cell
 };
 
 TerrainOctree::TerrainOctree(const MappingConfig& config) : config_(config) {
@@ -185,7 +194,8 @@ std::vector<OccupiedLeaf> TerrainOctree::LeavesIn(const Eigen::AlignedBox3d& box
 Eigen::Vector3d TerrainOctree::CellCentre(const CellKey& cell) const {
   return config_.cell_size_m() * (Eigen::Vector3d(cell.x, cell.y, cell.z) + Eigen::Vector3d::Constant(0.5));
 }
-std::int64_t TerrainOctree::num_occupied_leaves() const { return impl_->num_leaves(); }
+std::int64_t TerrainOctree::num_leaves() const { return impl_->leaves().num_used(); }
+std::int64_t TerrainOctree::num_occupied_leaves() const { return impl_->leaves().num_occupied(); }
 std::int64_t TerrainOctree::memory_bytes() const { return impl_->memory_bytes(); }
 
 }  // namespace terrace

@@ -58,6 +58,7 @@ class TerrainOctree {
   Eigen::Vector3d CellCentre(const CellKey& cell) const;
   double cell_size_m() const { return config_.cell_size_m(); }
 
+  std::int64_t num_leaves() const;  ///< occupied or not
   std::int64_t num_occupied_leaves() const;
   std::int64_t memory_bytes() const;
 

@@ -147,6 +147,7 @@ TEST(TerrainOctreeTest, LearnsNothingFromFramesWithoutATrustedPose) {
   PoseEstimate pose = LookFrom(0, 0, 0, 0.45, 0, 0.5);
   pose.trusted = false;
   EXPECT_TRUE(InsertView(world, pose, &octree, &random).keys.empty());
+  EXPECT_EQ(octree.num_leaves(), 0);
   EXPECT_EQ(octree.num_occupied_leaves(), 0);
 }
 
@@ -164,6 +165,7 @@ TEST(TerrainOctreeTest, DropsPointsThatAreNoNumbersOrBeyondTheWorld) {
   PoseEstimate pose = LookFrom(0, 0, 0, 0, 0, 0);
   TerrainOctree octree(MappingConfig{});
   EXPECT_TRUE(octree.Insert(cloud, TestCamera(), pose).keys.empty());
+  EXPECT_EQ(octree.num_leaves(), 0);
   EXPECT_EQ(octree.num_occupied_leaves(), 0);
 }
 
@@ -231,10 +233,39 @@ TEST(TerrainOctreeTest, LearnsAPlaceAnewThatItHadForgotten) {
   ASSERT_GT(num_before, 50U);
   for (int i = 0; i < 20; ++i) octree.ForgetBeyond({100.0, 0.0, 0.0}, 5.0);
   EXPECT_TRUE(SurfelsOf(octree, key).empty());
+  EXPECT_EQ(octree.num_leaves(), 0);
   EXPECT_EQ(octree.num_occupied_leaves(), 0);
   for (; frame < 10; ++frame) InsertView(world, LookFrom(frame, 0, 0, 0.45, 0, 0.5), &octree, &random);
   EXPECT_NEAR(static_cast<double>(SurfelsOf(octree, key).size()), static_cast<double>(num_before),
               0.1 * static_cast<double>(num_before));
+}
+
+TEST(TerrainOctreeTest, DropsWhatNeverBecameASurfaceOnceItIsOutOfViewAndKeepsSurfaces) {
+  TerrainOctree octree(MappingConfig{});
+  std::mt19937 random(1);
+  PlaneWorld world;
+  world.AddFloor(-1, 4, -2, 2, 0);
+  FrameId frame = 0;
+  for (; frame < 5; ++frame) InsertView(world, LookFrom(frame, 0, 0, 0.45, 0, 0.5), &octree, &random);
+  // Points that only one frame shows.
+  PlaneWorld noise;
+  noise.AddFloor(-1, 4, -2, 2, 0.12);
+  InsertView(noise, LookFrom(frame, 0, 0, 0.45, 0, 0.5), &octree, &random);
+  ++frame;
+  const CellKey key = CellAt(octree, {0.9, 0.05, 0.0});
+  const std::size_t num_surfels = SurfelsOf(octree, key).size();
+  ASSERT_GT(num_surfels, 50U);
+  const Eigen::AlignedBox3d everywhere(Eigen::Vector3d(-9, -9, -9), Eigen::Vector3d(9, 9, 9));
+  const std::size_t num_occupied = octree.LeavesIn(everywhere).size();
+  EXPECT_EQ(octree.num_occupied_leaves(), static_cast<std::int64_t>(num_occupied));
+  EXPECT_GT(static_cast<double>(octree.num_leaves()), 1.5 * static_cast<double>(num_occupied));
+  // The camera turns round, and nothing is there.
+  for (int i = 0; i < 120; ++i, ++frame)
+    InsertView({}, LookFrom(frame, 0, 0, 0.45, 3.1, 0.5), &octree, &random);
+  EXPECT_EQ(octree.num_leaves(), static_cast<std::int64_t>(num_occupied));
+  EXPECT_EQ(octree.num_occupied_leaves(), octree.num_leaves());
+  EXPECT_EQ(octree.LeavesIn(everywhere).size(), num_occupied);
+  EXPECT_EQ(SurfelsOf(octree, key).size(), num_surfels);
 }
 
 TEST(TerrainOctreeTest, GivesTheSameBitsTwice) {
