@@ -69,7 +69,8 @@ int EvidenceGrid::Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other_
   Reader theirs(other);
   int num_on = 0;
   for (const BlockKey& key : covered) {
-    Block& block = MakeBlock(key);
+    Block* block = nullptr;  // made where there is something to be taken over
+    const auto ours_there = [&]() -> Block& { return block ? *block : *(block = &MakeBlock(key)); };
     const Eigen::Vector2d first(key.first * kBlockCells + 0.5, key.second * kBlockCells + 0.5);
     const Eigen::Vector2d row_start = other_from_this * (cell_m_ * first) / other.cell_m_;
     for (int y = 0; y < kBlockCells; ++y) {
@@ -79,9 +80,10 @@ int EvidenceGrid::Adopt(const EvidenceGrid& other, const Eigen::Affine2d& other_
         const Block* their_block = theirs.BlockAt(i, j);
         if (their_block == nullptr) continue;
         const int bx = i & (kBlockCells - 1), by = j & (kBlockCells - 1);
-        if (their_block->IsOpen(bx, by)) block.OpenGroup(x, y);
+        if (their_block->IsOpen(bx, by)) ours_there().OpenGroup(x, y);
         const std::int8_t known = their_block->At(bx, by);
-        std::int8_t& ours = block.At(x, y);
+        if (known == 0) continue;
+        std::int8_t& ours = ours_there().At(x, y);
         if (std::abs(known) <= std::abs(ours)) continue;
         num_on += ours < kOn && known >= kOn;
         ours = known;

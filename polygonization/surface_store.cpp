@@ -52,7 +52,7 @@ std::vector<SmallFootprint> Small(const std::vector<Footprint>& footprints, cons
 Member MakeMember(const Patch& patch, const Eigen::Vector3d& centre_world) {
   Member member;
   member.patch = patch;
-  member.patch.footprints = {};
+  member.patch.footprints = std::vector<Footprint>();  // gives the room back, as {} would not
   member.footprints = Small(patch.footprints, {patch.plane_world, centre_world});
   member.mean_world = centre_world + patch.moments.Mean();
   member.low_world = centre_world + patch.low.cast<double>();
@@ -156,7 +156,7 @@ void SurfaceStore::Fold(const CellKey& key) {
   found->second.folded = true;
   for (Member& member : found->second.members) {
     footprint_bytes_ -= FootprintBytes(member);
-    member.footprints = {};
+    member.footprints = std::vector<SmallFootprint>();  // gives the room back, as {} would not
   }
 }
 
