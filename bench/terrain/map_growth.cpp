@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a frame costs as the map grows:
-//     terrace_map_growth SEQUENCE [NUM_FRAMES [NUM_PLACES]]
-// matches and tracks the first frames of a recording once, then shows them to the mapper again and again at
-// places 14 m apart on a grid (disparities and poses kept, poses shifted), as to a robot that walks through
-// one such room after the other. A row every so many places: mapped area, CPU time per frame of each stage,
-// memory, regions. The last line is one JSON object:
+//     terrace_map_growth SEQUENCE [NUM_FRAMES [NUM_PLACES [STRIDE]]]
+// matches and tracks the first frames of a recording once, then shows them (or one in STRIDE of them: so
+// large maps are reached in reasonable time) to the mapper again and again at places 14 m apart on a grid
+// (disparities and poses kept, poses shifted), as to a robot that walks through one such room after the
+// other. A row every so many places: mapped area, CPU time per frame of each stage, memory, regions. The last
+// line is one JSON object:
 //  - cpu_ratio: CPU per frame of all map stages and publishing, the last tenth of the places against places 5
 //    to 10;
 //  - p99_over_median: of one frame's CPU, over the last half of the places;
-//  - window_kb_per_m2: memory of the map after the second place, by what was mapped until then;
+//  - window_kb_per_m2: growth of the map's memory from place to place, by what was mapped there, where all of
+//    it lies within the window (of another map with a very large one, which is shown all frames);
+//  - window_mb: the most memory that the map ever had;
 //  - beyond_kb_per_m2: growth of the map's memory over the last half of the places, by what was mapped there;
 //  - heap_beyond_kb_per_m2: the same of all that the program has allocated, labels and messages included.
 #include <algorithm>
@@ -62,6 +65,12 @@ std::vector<Shot> ShootFrames(Sequence* sequence, Pipeline* pipeline, int num_fr
   return shots;
 }
 
+std::vector<Shot> OneIn(int stride, const std::vector<Shot>& shots) {
+  std::vector<Shot> some;
+  for (std::size_t i = 0; i < shots.size(); i += static_cast<std::size_t>(stride)) some.push_back(shots[i]);
+  return some;
+}
+
 /// Places on a grid, row by row, there and back.
 Eigen::Vector3d PlaceAt(int i) {
   const int row = i / kPlacesPerRow, column = i % kPlacesPerRow;
@@ -86,10 +95,10 @@ struct Place {
 /// Shows the same frames to one mapper at one place after the other.
 class GrowingMap {
  public:
-  GrowingMap(std::vector<Shot> shots, const Pipeline& pipeline)
-      : shots_(std::move(shots)),
+  GrowingMap(const std::vector<Shot>& shots, const Pipeline& pipeline, const TerrainConfig& config)
+      : shots_(shots),
         camera_(pipeline.camera()),
-        mapper_(TerrainConfig{}, camera_, pipeline.T_body_left(), &meters_),
+        mapper_(config, camera_, pipeline.T_body_left(), &meters_),
         sender_(pipeline.T_body_left(), std::chrono::seconds(60), 0) {}
 
   Place Visit(const Eigen::Vector3d& place_world, std::vector<double>* frames_ms) {
@@ -137,7 +146,7 @@ class GrowingMap {
   }
 
  private:
-  const std::vector<Shot> shots_;
+  const std::vector<Shot>& shots_;
   const StereoCamera camera_;
   StageMeters meters_;
   TerrainMapper mapper_;
@@ -152,33 +161,51 @@ double MeanMs(const std::vector<Place>& places, std::size_t begin, std::size_t e
   return sum / static_cast<double>(end - begin);
 }
 
-void PrintFigures(const std::vector<Place>& places, const std::vector<double>& frames_ms) {
+/// Where nothing is ever folded away.
+double WindowKbPerM2(const std::vector<Shot>& shots, const Pipeline& pipeline) {
+  constexpr int kPlaces = 6;
+  TerrainConfig config;
+  config.mapping.window_m = kPlaces * kSpacing_m;
+  GrowingMap map(shots, pipeline, config);
+  std::vector<Place> places;
+  std::vector<double> frames_ms;
+  for (int i = 0; i < kPlaces; ++i) places.push_back(map.Visit(PlaceAt(i), &frames_ms));
+  const Place &second = places[1], &last = places.back();
+  return 1e3 * (last.map_mb - second.map_mb) / (last.area_m2 - second.area_m2);
+}
+
+void PrintFigures(const std::vector<Place>& places, const std::vector<double>& frames_ms,
+                  double window_kb_per_m2) {
   const std::size_t n = places.size(), early = std::min<std::size_t>(4, n - 1);
   const std::vector<double> late_ms(frames_ms.begin() + static_cast<std::ptrdiff_t>(frames_ms.size() / 2),
                                     frames_ms.end());
-  const Place &half = places[n / 2], &last = places.back(), &second = places[std::min<std::size_t>(1, n - 1)];
+  const Place &half = places[n / 2], &last = places.back();
+  const auto most = std::max_element(places.begin(), places.end(),
+                                     [](const Place& a, const Place& b) { return a.map_mb < b.map_mb; });
   const nlohmann::ordered_json json = {
       {"mapped_m2", last.area_m2},
       {"cpu_ratio", MeanMs(places, n - std::max<std::size_t>(1, n / 10), n) /
                         MeanMs(places, early, std::min(n, early + 6))},
       {"p99_over_median", Quantile(late_ms, 0.99) / Quantile(late_ms, 0.5)},
-      {"window_kb_per_m2", 1e3 * second.map_mb / second.area_m2},
+      {"window_kb_per_m2", window_kb_per_m2},
+      {"window_mb", most->map_mb},
       {"beyond_kb_per_m2", 1e3 * (last.map_mb - half.map_mb) / (last.area_m2 - half.area_m2)},
-      {"heap_beyond_kb_per_m2", 1e3 * (last.heap_mb - half.heap_mb) / (last.area_m2 - half.area_m2)},
-      {"map_mb", last.map_mb}};
+      {"heap_beyond_kb_per_m2", 1e3 * (last.heap_mb - half.heap_mb) / (last.area_m2 - half.area_m2)}};
   std::printf("%s\n", json.dump().c_str());
 }
 
-int Run(const char* path, int num_frames, int num_places) {
+int Run(const char* path, int num_frames, int num_places, int stride) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
   const std::unique_ptr<Sequence> sequence = OpenSequence(path);
   Pipeline pipeline({}, sequence->info().calibration, {});
-  std::vector<Shot> shots = ShootFrames(sequence.get(), &pipeline, num_frames);
+  const std::vector<Shot> shots = ShootFrames(sequence.get(), &pipeline, num_frames);
   if (shots.empty() || num_places < 1) {
     std::fprintf(stderr, "%s: no frame can be mapped\n", path);
     return 1;
   }
-  GrowingMap growing(std::move(shots), pipeline);
+  const double window_kb_per_m2 = WindowKbPerM2(shots, pipeline);
+  const std::vector<Shot> some = OneIn(std::max(1, stride), shots);
+  GrowingMap growing(some, pipeline, {});
   std::vector<Place> places;
   std::vector<double> frames_ms;
   std::printf("   m2  decomposition modelling merging   labels  publish     all ms   map MB  regions\n");
@@ -191,7 +218,7 @@ int Run(const char* path, int num_frames, int num_places) {
                 places.back().num_regions);
     std::fflush(stdout);
   }
-  PrintFigures(places, frames_ms);
+  PrintFigures(places, frames_ms, window_kb_per_m2);
   return 0;
 }
 
@@ -199,12 +226,13 @@ int Run(const char* path, int num_frames, int num_places) {
 }  // namespace terrace
 
 int main(int argc, char** argv) {
-  if (argc < 2 || argc > 4) {
-    std::fprintf(stderr, "usage: terrace_map_growth SEQUENCE [NUM_FRAMES [NUM_PLACES]]\n");
+  if (argc < 2 || argc > 5) {
+    std::fprintf(stderr, "usage: terrace_map_growth SEQUENCE [NUM_FRAMES [NUM_PLACES [STRIDE]]]\n");
     return 2;
   }
   try {
-    return terrace::Run(argv[1], argc > 2 ? std::atoi(argv[2]) : 60, argc > 3 ? std::atoi(argv[3]) : 40);
+    return terrace::Run(argv[1], argc > 2 ? std::atoi(argv[2]) : 60, argc > 3 ? std::atoi(argv[3]) : 40,
+                        argc > 4 ? std::atoi(argv[4]) : 1);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;
