@@ -124,9 +124,16 @@ class LiveNode {
       spdlog::warn("another terraced speaks on {}: stop one of them, or give it other channels", channel);
   }
 
+  /// A calibration that came as a message and does not fit the configuration is no reason to end.
   void StartMapper() {
-    mapper_ =
-        std::make_unique<LiveMapper>(options_, config_, *input_->calibration(), &lcm_, &reporter_, &desk_);
+    try {
+      mapper_ =
+          std::make_unique<LiveMapper>(options_, config_, *input_->calibration(), &lcm_, &reporter_, &desk_);
+    } catch (const ConfigError& error) {
+      if (!config_.live.calibration.empty()) throw;
+      input_->RefuseCalibration(input_->calibration()->name + ": " + error.what());
+      return;
+    }
     mapper_->run.pipeline().PauseMap(paused_);
     if (first_map_)
       mapper_->run.loaded_map().Load(std::exchange(first_map_, nullptr), config_.live.load_map,
@@ -202,6 +209,12 @@ class LiveNode {
                                                             " are not taken: " + input_->why_no_images();
       status.reason_code = ReasonCode::kNoImages;
     }
+    if (input_->calibration_has_changed() && status.reason.empty()) {
+      if (status.state == DaemonState::kRunning) status.state = DaemonState::kDegraded;
+      status.reason = "the calibration on " + config_.channels.calibration +
+                      " has changed: the one of before is used until terraced is started again";
+      status.reason_code = ReasonCode::kOther;
+    }
     constexpr std::chrono::seconds kRecently(3);
     if (other_heard_ && Clock::now() - *other_heard_ < kRecently && status.reason.empty()) {
       status.reason = "another terraced speaks on this bus";
@@ -232,11 +245,12 @@ class LiveNode {
     }
   }
 
+  /// What is wrong with one that came has been said when it came.
   std::string SayThatCalibrationIsMissing() {
-    const std::string text = input_->calibration_problem().empty()
-                                 ? "no calibration yet: waiting for calibration_v1_t on " +
-                                       config_.channels.calibration + " (or set lcm.calibration)"
-                                 : input_->calibration_problem();
+    const std::string problem = input_->calibration_problem();
+    if (!problem.empty()) return problem;
+    const std::string text = "no calibration yet: waiting for calibration_v1_t on " +
+                             config_.channels.calibration + " (or set lcm.calibration)";
     if (!std::exchange(calibration_missing_said_, true)) spdlog::warn("{}", text);
     return text;
   }

@@ -141,28 +141,37 @@ void LiveInput::OnImages(Buffer* buffer, const std::string&) {
 void LiveInput::OnCalibration(Buffer* buffer, const std::string& channel) {
   Decode<calibration_v1_t>(&calibrations_, buffer, [&](const calibration_v1_t& message) {
     if (calibration_) {
-      if (message.content_hash != content_hash_ && !std::exchange(change_said_, true)) {
-        spdlog::warn("the calibration on {} has changed; the one of before stays in use until a restart",
-                     channel);
-      }
+      calibration_has_changed_ = message.content_hash != content_hash_;
       return true;
     }
     std::optional<StereoCalibration> calibration = FromMessage(message);
-    if (!calibration) return false;
+    if (!calibration)
+      throw std::runtime_error("a pose or noise in it is none, or its model is no lens model");
     calibration->name = channel + " (" + message.name + ")";
     std::string problem;
     for (const std::string& sentence : calibration->Problems())
       problem += (problem.empty() ? "" : "; ") + sentence;
     if (!problem.empty()) {
-      if (problem != calibration_problem_) spdlog::error("the calibration cannot be used: {}", problem);
-      calibration_problem_ = problem;
+      RefuseCalibration(problem);
       return true;
     }
-    calibration_problem_.clear();
     calibration_ = std::move(calibration);
     content_hash_ = message.content_hash;
     return true;
   });
+}
+
+std::string LiveInput::calibration_problem() const {
+  if (calibration_) return "";
+  if (calibrations_.why_not.empty()) return calibration_problem_;
+  return "messages on " + calibrations_.channel + " are not taken: " + calibrations_.why_not;
+}
+
+void LiveInput::RefuseCalibration(const std::string& problem) {
+  calibration_.reset();
+  // It comes once a second.
+  if (problem != calibration_problem_) spdlog::error("the calibration cannot be used: {}", problem);
+  calibration_problem_ = problem;
 }
 
 void LiveInput::OnImu(Buffer* buffer, const std::string&) {

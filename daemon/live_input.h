@@ -39,10 +39,12 @@ class LiveInput {
   LiveInput(const LiveInput&) = delete;
   LiveInput& operator=(const LiveInput&) = delete;
 
-  /// Of the rig; the first one that makes sense stays.
+  /// Of the rig; the first one that makes sense stays, unless it is refused.
   const std::optional<StereoCalibration>& calibration() const { return calibration_; }
-  /// What was wrong with calibrations that came, for the status; empty: nothing.
-  const std::string& calibration_problem() const { return calibration_problem_; }
+  /// The calibration that came does not fit what is configured: the next one is waited for.
+  void RefuseCalibration(const std::string& problem);
+  /// Why what came as a calibration is not used, for the status; empty: nothing has come.
+  std::string calibration_problem() const;
 
   /// The next frame that is complete. Frames are thrown away as long as there is no calibration.
   std::optional<SensorFrame> NextReady();
@@ -57,6 +59,8 @@ class LiveInput {
   std::vector<InputStatus> TakeInputs();
 
   std::int64_t num_bad_frames() const { return num_bad_frames_; }
+  /// The newest calibration that came is another one than that in use.
+  bool calibration_has_changed() const { return calibration_has_changed_; }
   /// Why the newest images that came were not taken; empty: they were, or none have come.
   const std::string& why_no_images() const { return images_.why_not; }
   std::int64_t num_decode_errors() const { return num_decode_errors_; }
@@ -100,7 +104,7 @@ class LiveInput {
   std::optional<StereoCalibration> calibration_;
   std::string content_hash_;  // of the calibration message in use
   std::string calibration_problem_;
-  bool change_said_ = false;
+  bool calibration_has_changed_ = false;
   FrameAssembler assembler_;
   std::vector<lcm::Subscription*> subscriptions_;
   const Clock::time_point start_ = Clock::now();
