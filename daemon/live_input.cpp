@@ -113,6 +113,11 @@ void LiveInput::Decode(Input* input, Buffer* buffer, Use use) {
   input->why_not = why_not;
 }
 
+void LiveInput::RequireUsualPace(Input* input, Timestamp stamp) {
+  const double factor = input->pace.Add(stamp, Clock::now());
+  if (factor != 1.0) throw std::runtime_error(SentenceAboutPace(factor));
+}
+
 std::vector<InputStatus> LiveInput::TakeInputs() {
   const auto now = Clock::now();
   const double window_s = std::max(1e-3, std::chrono::duration<double>(now - window_start_).count());
@@ -132,7 +137,9 @@ std::vector<InputStatus> LiveInput::TakeInputs() {
 
 void LiveInput::OnImages(Buffer* buffer, const std::string&) {
   Decode<images_t>(&images_, buffer, [this](const images_t& message) {
-    if (!CaptureTime(message)) throw std::runtime_error(StrangeTime(message.utime));
+    const std::optional<Timestamp> t_capture = CaptureTime(message);
+    if (!t_capture) throw std::runtime_error(StrangeTime(message.utime));
+    RequireUsualPace(&images_, *t_capture);
     if (calibration_) assembler_.Add(FromMessage(message), Clock::now());
     return true;
   });
@@ -177,6 +184,7 @@ void LiveInput::RefuseCalibration(const std::string& problem) {
 void LiveInput::OnImu(Buffer* buffer, const std::string&) {
   Decode<imu_v1_t>(&imu_, buffer, [this](const imu_v1_t& message) {
     const std::optional<ImuSample> sample = FromMessage(message);
+    if (sample) RequireUsualPace(&imu_, sample->t);
     if (sample) assembler_.Add(*sample, std::chrono::steady_clock::now());
     return sample.has_value();
   });
@@ -185,6 +193,7 @@ void LiveInput::OnImu(Buffer* buffer, const std::string&) {
 void LiveInput::OnBodyPrior(Buffer* buffer, const std::string&) {
   Decode<body_prior_v1_t>(&body_prior_, buffer, [this](const body_prior_v1_t& message) {
     const std::optional<BodyPrior> prior = FromMessage(message);
+    if (prior) RequireUsualPace(&body_prior_, prior->t);
     if (prior) assembler_.Add(*prior);
     return prior.has_value();
   });
@@ -193,6 +202,7 @@ void LiveInput::OnBodyPrior(Buffer* buffer, const std::string&) {
 void LiveInput::OnBodyPose(Buffer* buffer, const std::string&) {
   Decode<pose_t>(&body_pose_, buffer, [this](const pose_t& message) {
     const std::optional<BodyPrior> prior = PriorFromPose(message, body_pose_kind_);
+    if (prior) RequireUsualPace(&body_pose_, prior->t);
     if (prior) assembler_.Add(*prior);
     return prior.has_value();
   });

@@ -18,6 +18,7 @@
 #include "core/status.h"
 #include "daemon/frame_assembler.h"
 #include "daemon/live_config.h"
+#include "daemon/stamp_pace.h"
 #include "lcmtypes/channels.h"
 
 namespace terrace {
@@ -63,6 +64,9 @@ class LiveInput {
   bool calibration_has_changed() const { return calibration_has_changed_; }
   /// Why the newest images that came were not taken; empty: they were, or none have come.
   const std::string& why_no_images() const { return images_.why_not; }
+  /// By how much the clock of the IMU is ahead of that of the images, where that is too much to be of one
+  /// clock.
+  std::optional<std::chrono::nanoseconds> imu_clock_ahead() const { return assembler_.imu_clock_ahead(); }
   std::int64_t num_decode_errors() const { return num_decode_errors_; }
   std::int64_t num_time_jumps() const { return assembler_.num_time_jumps(); }
   std::int64_t num_imu_gaps() const { return assembler_.num_imu_gaps(); }
@@ -80,6 +84,7 @@ class LiveInput {
     std::int64_t num_in_window = 0;
     std::optional<Clock::time_point> t_last;  // of the newest good one
     std::string why_not;                      // the newest was not taken; empty: it was
+    StampPace pace;
   };
 
   void OnImages(Buffer* buffer, const std::string& channel);
@@ -92,6 +97,7 @@ class LiveInput {
   void OnRequestMessage(Buffer* buffer, const std::string& channel);
   template <typename Message, typename Use>
   void Decode(Input* input, Buffer* buffer, Use use);
+  static void RequireUsualPace(Input* input, Timestamp stamp);
   template <auto method>
   void Listen(const Input& input, int capacity);
   void CheckSize(SensorFrame* frame);
