@@ -179,6 +179,7 @@ class Loader {
   void ReadFile(const std::filesystem::path& file) {
     YAML::Node root;
     try {
+      if (std::filesystem::is_directory(file)) throw YAML::BadFile(file.string());
       root = YAML::LoadFile(file.string());
     } catch (const YAML::BadFile&) {
       problems_.push_back(file.string() + ": cannot be read");

@@ -52,6 +52,7 @@ FrameAssembler::FrameAssembler(const LiveConfig& config)
       leg_times_(FromSeconds(config.max_time_jump_s)) {}
 
 void FrameAssembler::Add(const ImuSample& sample, ArrivalTime now) {
+  newest_imu_ = {sample.t, now};
   // What belongs to a frame that is out already has come too late.
   if (!imu_times_.Accept(sample.t) || (last_frame_ && sample.t <= *last_frame_)) {
     ++num_imu_gaps_;
@@ -83,7 +84,17 @@ void FrameAssembler::Add(StereoPair pair, ArrivalTime now) {
     clock_change_ = pair_times_.clock_set_by();
     ForgetOtherClock(pair.t_capture);
   }
+  CompareClocks(pair.t_capture, now);
   pairs_.push_back({std::move(pair), now});
+}
+
+/// Samples of another clock are never those of a frame.
+void FrameAssembler::CompareClocks(Timestamp t_pair, ArrivalTime now) {
+  constexpr std::chrono::seconds kLate(2);  // images may be on their way for some time
+  imu_clock_ahead_.reset();
+  if (!newest_imu_ || now - newest_imu_->second > kImuSilent) return;
+  const std::chrono::nanoseconds ahead = newest_imu_->first - t_pair;
+  if (ahead > kLate || ahead < -kLate) imu_clock_ahead_ = ahead;
 }
 
 /// Samples and pairs of the clock of before would be taken for older or newer than they are.

@@ -56,9 +56,13 @@ class FrameAssembler {
     return std::exchange(clock_change_, std::chrono::nanoseconds(0));
   }
   std::int64_t num_imu_gaps() const { return num_imu_gaps_; }
+  /// By how much the newest sample of the IMU was ahead of the newest pair when that came; none where they
+  /// may be of one clock.
+  std::optional<std::chrono::nanoseconds> imu_clock_ahead() const { return imu_clock_ahead_; }
 
  private:
   void ForgetOtherClock(Timestamp t);
+  void CompareClocks(Timestamp t_pair, ArrivalTime now);
 
   struct WaitingPair {
     StereoPair pair;
@@ -79,6 +83,8 @@ class FrameAssembler {
   std::deque<BodyPrior> priors_;
   std::optional<Timestamp> last_imu_;
   std::optional<ArrivalTime> imu_arrived_;
+  std::optional<std::pair<Timestamp, ArrivalTime>> newest_imu_;  // whether it was taken or not
+  std::optional<std::chrono::nanoseconds> imu_clock_ahead_;
   std::optional<Timestamp> last_frame_;
   std::chrono::nanoseconds clock_change_{0};
   std::int64_t num_time_jumps_ = 0;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -66,6 +67,9 @@ struct TrajectoryEvaluation {
 /// The true poses as those of the rectified left camera, by calibration alone: R_rect_raw and T_body_left of
 /// the result. Throws FileError when the truth is of a body whose camera is not known.
 std::vector<TimedPose> TrueLeftPoses(const TrueTrajectory& truth, const ResultCamera& camera);
+
+/// Why MatchPoses has found nothing: one sentence without a full stop. Both must hold poses.
+std::string WhyNoneMatches(const std::vector<ResultPose>& result, const std::vector<TimedPose>& truth);
 
 /// Every pose of the result with the nearest true one not more than 2 ms away.
 std::vector<PosePair> MatchPoses(const std::vector<ResultPose>& result, const std::vector<TimedPose>& truth);

@@ -50,6 +50,28 @@ TEST(FrameAssemblerTest, DoesNotWaitForEverAndCountsTheGap) {
   EXPECT_EQ(assembler.num_imu_gaps(), 1);
 }
 
+TEST(FrameAssemblerTest, SaysByHowMuchTheClockOfTheImuIsAnotherOne) {
+  FrameAssembler assembler{LiveConfig()};
+  assembler.Add(Imu(990), kStart);
+  assembler.Add(Pair(1000), kStart);
+  EXPECT_FALSE(assembler.imu_clock_ahead());
+  for (const int ahead_ms : {10'000, 3'600'000, -5'000}) {
+    FrameAssembler other{LiveConfig()};
+    other.Add(Pair(60'000), kStart);
+    other.TakeAny();
+    other.Add(Imu(60'000 + ahead_ms), kStart);  // whether it is taken does not matter
+    other.Add(Pair(60'001), kStart);
+    ASSERT_TRUE(other.imu_clock_ahead()) << ahead_ms;
+    EXPECT_EQ(other.imu_clock_ahead()->count(), (ahead_ms - 1) * kMs);
+  }
+  assembler.Add(Imu(70'000), kStart);
+  assembler.Add(Pair(60'000), kStart + milliseconds(600));
+  EXPECT_FALSE(assembler.imu_clock_ahead()) << "that it is silent is another matter";
+  assembler.Add(Imu(61'500), kStart + milliseconds(700));
+  assembler.Add(Pair(60'100), kStart + milliseconds(700));
+  EXPECT_FALSE(assembler.imu_clock_ahead()) << "images may be late";
+}
+
 TEST(FrameAssemblerTest, GivesUpOnAnImuThatHasGoneSilent) {
   FrameAssembler assembler{LiveConfig()};
   assembler.Add(Imu(990), kStart);
