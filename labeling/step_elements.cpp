@@ -28,10 +28,34 @@ bool MayBeUnderside(const StaircaseConfig& config, const RegionShape& s) {
   return s.lean == Lean::kFacingDown && s.slope_rad >= std::numbers::pi - Radians(config.max_tread_slope_deg);
 }
 
+/// How well the front of a tread is known. Noise along its normal moves a point that is seen at a flat angle
+/// by so much more along the view.
+double TreadFrontSigma(const RegionShape& tread, const Eigen::Vector3d& eye) {
+  constexpr double kTreadFrontSigma = 0.025;  // it may be hidden
+  constexpr double kLeastAbove = 0.05;
+  const double above = std::max(kLeastAbove, std::abs(tread.plane.SignedDistance(eye)));
+  const double away = (tread.centroid - eye).head<2>().norm();
+  return std::hypot(kTreadFrontSigma, tread.polygon->noise_m * away / above);
+}
+
+/// A level piece is known no better than its points agree on it: what was merged with it pulls at it. The top
+/// of a face, a strip of an incline and a board seen from below tell the height of the tread only about.
+void AddSigmas(const RegionShape& shape, const Eigen::Vector3d& eye, StepCandidate& c) {
+  constexpr double kRoughHeightSigma = 0.015;
+  constexpr double kFacePlaceSigma = 0.010;
+  const bool rough = c.riser || c.leaning || c.underside;
+  c.height_sigma_m = c.riser
+                         ? kRoughHeightSigma
+                         : std::max(rough ? kRoughHeightSigma : kLevelHeightSigma_m, shape.polygon->rms_m);
+  c.front_sigma_m = c.riser ? kFacePlaceSigma : TreadFrontSigma(shape, eye);
+  c.view = (shape.centroid - eye).head<2>().normalized();
+}
+
 }  // namespace
 
 std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
-                                          const std::vector<RegionShapePtr>& shapes) {
+                                          const std::vector<RegionShapePtr>& shapes,
+                                          const Eigen::Vector3d& eye) {
   // A riser may be seen with a strip of what stands above or below it.
   const double max_face = config.max_riser_m + 2.0 * config.height_tolerance_m;
   // A landing of which little is seen may pass for a tread; its neighbours tell.
@@ -60,6 +84,7 @@ std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
         candidates.push_back({i, false, depth > max_depth});
     }
   }
+  for (StepCandidate& c : candidates) AddSigmas(*shapes[c.shape], eye, c);
   return candidates;
 }
 
@@ -83,10 +108,8 @@ std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
         std::abs(s.rectangle.short_axis().dot(up)) < min_cos_tread)
       continue;
     StepElement e;
-    e.shape = c.shape;
-    e.riser = c.riser;
-    e.leaning = c.leaning;
-    e.underside = c.underside;
+    static_cast<StepCandidate&>(e) = c;
+    e.seen_from_uphill = c.view.dot(up) < 0.0;
     e.lateral = frame.LateralExtent(s);
     e.along = frame.AlongExtent(s, e.lateral);
     if (c.riser) e.along = {e.along.middle(), e.along.middle()};

@@ -103,6 +103,68 @@ TEST(StaircaseFinderTest, MeasuresTheRiseByTheTopsOfFacesWhoseFeetAreHidden) {
   EXPECT_NEAR(found[0].model.foot_z, 0.0, 0.003);
 }
 
+TEST(StaircaseFinderTest, MeasuresTheRiseByTreadsWhereNosingsHideTheTopsOfAllFaces) {
+  constexpr double kRise = 0.17, kRun = 0.28, kHidden = 0.05, kNosing = 0.03;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  for (int k = 1; k <= 6; ++k) {
+    const double x = 3.0 + (k - 1) * kRun, foot = (k - 1) * kRise;
+    scene.AddFace(TerrainLabel::kStairRiser, {x, 0.8, foot}, {x, -0.8, foot}, kRise - kHidden, k);
+    if (k <= 2)
+      scene.AddLevel(TerrainLabel::kStairTread, {x + 0.5 * (kRun - kNosing), 0, k * kRise}, kRun + kNosing,
+                     1.6);
+  }
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.0, 0.0, 0.5);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(ShapesOf(scene.Update().changed), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 0.002);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 2.0 * found[0].rise_sigma_m);
+  EXPECT_NEAR(found[0].model.run_m, kRun, 0.002);
+}
+
+/// Treads alone, as from above, of which the third lies and leans as its points do that were merged with it.
+TEST(StaircaseFinderTest, KnowsALawNoBetterThanTheLevelsAgreeThatItIsMadeOf) {
+  constexpr double kRise = 0.165, kRun = 0.3, kPulled = 0.012;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  for (int k = 1; k <= 3; ++k) {
+    const double low = k == 3 ? kPulled : 0.0;
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + (k - 0.5) * kRun, 0, k * kRise - low}, kRun, 1.6);
+  }
+  std::vector<PolygonPtr> polygons = scene.Update().changed;
+  auto pulled = std::make_shared<Polygon>(*polygons[3]);
+  pulled->rms_m = kPulled;
+  polygons[3] = pulled;
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(2.0, 0.0, 0.6);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(ShapesOf(polygons), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 2.0 * found[0].rise_sigma_m);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 0.003);
+}
+
+TEST(StaircaseFinderTest, TakesNoFrontOfATreadForSureOfWhichSomeIsMissing) {
+  constexpr double kRise = 0.155, kRun = 0.3;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  for (int k = 1; k <= 4; ++k) {
+    // Of the last one the front half was lost.
+    const double lost = k == 4 ? 0.5 * kRun : 0.0;
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + (k - 0.5) * kRun + 0.5 * lost, 0, k * kRise},
+                   kRun - lost, 1.6);
+  }
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.6, 0.0, 0.8);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(ShapesOf(scene.Update().changed), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.run_m, kRun, 0.015);
+  EXPECT_NEAR(found[0].model.run_m, kRun, 2.0 * found[0].run_sigma_m);
+}
+
 TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
   constexpr int kTrials = 60;
   double sum2 = 0.0;
@@ -319,7 +381,8 @@ TEST(StaircaseFinderTest, TakesStripsForStepsOnlyWhereTheyAreHigherThanNoiseHide
     }
     const StaircaseConfig config;
     const StraightFrame frame(-Eigen::Vector2d::UnitX());
-    std::vector<StepElement> strips = MeasureSteps(config, shapes, StepCandidates(config, shapes), frame);
+    std::vector<StepElement> strips =
+        MeasureSteps(config, shapes, StepCandidates(config, shapes, FromAbove().eye()), frame);
     std::erase_if(strips, [](const StepElement& e) { return !e.leaning; });
     return strips;
   };
