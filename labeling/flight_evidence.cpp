@@ -222,8 +222,9 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   const bool whole = ends.foot_shape && ends.head_shape && num_steps >= 3;
   if (ends.num_risers() == 2 && !whole && !few_that_agree && !stays) return std::nullopt;
 
-  found.num_risers = ends.num_risers();
-  found.num_treads = ends.num_treads();
+  found.num_risers = ends.num_risers() + ends.num_merged;
+  // What lies behind the last of the merged risers is not known.
+  found.num_treads = ends.num_merged > 0 ? found.num_risers - 1 : ends.num_treads();
   found.foot_shape = ends.foot_shape;
   found.head_shape = ends.head_shape;
   found.evidence = {num_steps,           static_cast<int>(num_to_see), sharp,

@@ -62,6 +62,8 @@ std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
   const double max_depth = config.max_tread_m + 2.0 * config.edge_tolerance_m;
   constexpr double kMinFaceHeight = 0.03;
   constexpr double kMinDepth = 0.04;
+  // A landing is deeper, and what stands behind a board may be merged with it: its front is what counts.
+  constexpr double kMaxBoards = 2.0;
   // Fragments of a step, in pieces.
   constexpr double kMinLength = 0.2;
   std::vector<StepCandidate> candidates;
@@ -76,7 +78,8 @@ std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
       if (height >= kMinFaceHeight && height <= max_face) candidates.push_back({i, true});
     } else if (MayBeUnderside(config, s)) {
       const double depth = s.rectangle.depth_m;
-      if (depth >= kMinDepth && depth <= max_depth) candidates.push_back({i, false, false, false, true});
+      if (depth >= kMinDepth && depth <= kMaxBoards * max_depth)
+        candidates.push_back({i, false, false, false, true});
     } else if (s.lean == Lean::kSupport) {
       const double depth = s.rectangle.depth_m;
       if (s.slope_rad <= Radians(config.max_tread_slope_deg) && depth >= kMinDepth &&

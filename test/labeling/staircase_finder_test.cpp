@@ -333,6 +333,67 @@ KnownPiece BoardFromBelow(double front_x, double depth_m, double width_m, double
   return {{{a, -w, z}, {a, w, z}, {b, w, z}, {b, -w, z}}, {}, TerrainLabel::kUnknown};
 }
 
+TEST(StaircaseFinderTest, CountsTheLastRiserOfAnOpenFlightByTheBlockThatItsLandingStandsOn) {
+  const auto risers_before_face = [](double height_m, double behind_m) {
+    LabelScene scene = OpenFlight(3, 0.28, 3.9);
+    const double x = 3.0 + 3 * 0.28 + behind_m;
+    scene.AddFace(TerrainLabel::kObstacle, {x, 0.5, 0}, {x, -0.5, 0}, height_m);
+    const auto found = FindFromBelow(scene);
+    return found.size() == 1u ? found[0].num_risers : 0;
+  };
+  EXPECT_EQ(risers_before_face(4 * 0.155, 0.0), 4);
+  EXPECT_EQ(risers_before_face(1.5, 0.0), 3) << "a wall";
+  EXPECT_EQ(risers_before_face(4 * 0.155, 0.2), 3) << "no riser stands there";
+}
+
+TEST(StaircaseFinderTest, CountsTheBoardOfALandingThatIsSeenFromBelowAndDeeperThanATread) {
+  LabelScene scene = OpenFlight(3, 0.28, 3.9);
+  KnownPiece board;
+  const double x = 3.0 + 3 * 0.28, z = 4 * 0.155 - 0.04;
+  board.outline = {{x, -0.47, z}, {x, 0.47, z}, {x + 0.9, 0.47, z}, {x + 0.9, -0.47, z}};
+  scene.Add(board);
+  const auto found = FindFromBelow(scene);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 4);
+}
+
+/// Four risers with their treads, and above them an incline into which risers 5 to 7 have merged from afar.
+std::vector<FoundStaircase> FindBelowIncline(double rms_m) {
+  constexpr double kRise = 0.17, kRun = 0.28;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  KnownFlight flight;
+  flight.foot = {3, 0, 0};
+  flight.num_risers = 4;
+  flight.width_m = 1.6;
+  scene.AddFlight(flight);
+  const auto on_line = [&](double k, double y) {
+    return Eigen::Vector3d(3.0 + (k - 1.0) * kRun, y, (k - 0.5) * kRise);
+  };
+  scene.Add({{on_line(4.7, -0.8), on_line(7.3, -0.8), on_line(7.3, 0.8), on_line(4.7, 0.8)}, {}});
+  std::vector<PolygonPtr> polygons = scene.Update().changed;
+  auto incline = std::make_shared<Polygon>(*polygons.back());
+  incline->noise_m = 0.006;
+  incline->rms_m = rms_m;
+  polygons.back() = incline;
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(2.0, 0.0, 0.75);
+  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(polygons), {}, sight, true);
+}
+
+TEST(StaircaseFinderTest, CountsTheStepsThatHaveMergedIntoOneInclineAboveTheOthers) {
+  const auto found = FindBelowIncline(0.013);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 7);
+  EXPECT_EQ(found[0].num_treads, 6);
+}
+
+TEST(StaircaseFinderTest, CountsNoStepsInARampAboveAFlight) {
+  const auto found = FindBelowIncline(0.003);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 4);
+}
+
 TEST(StaircaseFinderTest, CountsTheBoardsOfAnOpenFlightThatAreSeenFromBelow) {
   constexpr double kRise = 0.17, kRun = 0.28;
   for (const double board_m : {0.03, 0.045, 0.06}) {
