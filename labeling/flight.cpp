@@ -32,8 +32,9 @@ std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepF
                                      [&](const StepFit& fit) { return flight.elements[fit.element].riser; });
   for (const StepFit& fit : fits) {
     const StepElement& e = flight.elements[fit.element];
-    if (e.riser == any_riser) widths.push_back(e.lateral);
+    if (e.riser == any_riser && !e.landing) widths.push_back(e.lateral);
   }
+  if (widths.empty()) return std::nullopt;
   const auto z = FitLine(StepHeights(flight, fits));
   const auto along = FitLine(StepPlaces(flight, fits));
   if (!z || !along) return std::nullopt;
@@ -59,8 +60,9 @@ void RefineFlight(const StaircaseConfig& config, Flight& flight) {
 void RefineWithin(const StaircaseConfig& config, int first, int last, int last_tread, Flight& flight) {
   std::set<int> inside;
   for (const StepFit& fit : flight.fits) {
-    const bool riser = flight.elements[fit.element].riser;
-    if (fit.step_index >= first && fit.step_index <= (riser ? last : last_tread)) inside.insert(fit.element);
+    const StepElement& e = flight.elements[fit.element];
+    const bool fits = fit.step_index <= (e.riser || e.landing ? last : last_tread);
+    if (fit.step_index >= first && fits && (!e.landing || fit.step_index == last)) inside.insert(fit.element);
   }
   Flight within = flight;
   within.elements.clear();
@@ -82,6 +84,7 @@ std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::ve
     const StepElement& e = flight.elements[fit.element];
     const RegionShape& s = *shapes[e.shape];
     members.push_back(e);
+    if (e.landing) continue;
     if (e.riser) {
       risers -= s.area_m2 * s.front();
     } else if (e.leaning) {
@@ -108,11 +111,13 @@ std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::ve
     const double trust = 1.0 / (e.front_sigma_m * e.front_sigma_m);
     feet += trust * (e.along.low - (fit->step_index - 1) * flight.stride.run);
     weight += trust;
+    if (e.landing) continue;
     lateral = {std::min(lateral.low, e.lateral.low), std::max(lateral.high, e.lateral.high)};
   }
-  if (weight <= 0.0) return std::nullopt;
+  if (weight <= 0.0 || lateral.length() <= 0.0) return std::nullopt;
   turned.stride.along0 = feet / weight;
   turned.stride.lateral = lateral;
+  MeasureLandings(shapes, *turned.frame, lateral, turned.elements);
   RefineFlight(config, turned);
   return turned;
 }

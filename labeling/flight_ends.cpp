@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/angles.h"
+#include "labeling/flight_values.h"
 #include "labeling/slope_evidence.h"
 
 namespace terrace {
@@ -76,23 +77,11 @@ std::vector<LevelBeside> LevelsBeside(const StaircaseConfig& config,
 
 /// So many levels from its lowest step on the rise is known well enough to tell one from the next.
 int LevelsKnown(const Flight& flight) {
-  constexpr double kLevelSigma = 0.006;  // of the height of a step
   constexpr double kShareOfRise = 0.3;
   constexpr int kMost = 12;
-  double n = 0.0, k1 = 0.0, k2 = 0.0;
-  const auto add = [&](double k) {
-    n += 1.0;
-    k1 += k;
-    k2 += k * k;
-  };
-  std::set<int> levels;
-  for (const StepFit& fit : flight.fits) levels.insert(fit.step_index);
-  for (const LevelHeight& end : flight.ends) levels.insert(end.level);
-  for (const int level : levels) add(level);
-  const double spread = k2 - k1 * k1 / std::max(1.0, n);
-  if (spread <= 0.0) return 1;
-  const double rise_sigma = kLevelSigma / std::sqrt(spread);
-  return std::clamp(static_cast<int>(kShareOfRise * flight.stride.rise / rise_sigma), 1, kMost);
+  const std::optional<LineFit> heights = FitLine(StepHeights(flight, flight.fits));
+  if (!heights) return 1;
+  return std::clamp(static_cast<int>(kShareOfRise * flight.stride.rise / heights->slope_sigma), 1, kMost);
 }
 
 /// The last riser of a flight whose landing stands on a block: a face in the place of a riser that ends at
@@ -171,11 +160,14 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
   int lowest = std::numeric_limits<int>::max();
   int highest = std::numeric_limits<int>::min();
   for (const StepFit& fit : flight.fits) {
+    if (flight.elements[fit.element].landing) continue;
     lowest = std::min(lowest, fit.step_index);
     highest = std::max(highest, fit.step_index);
   }
+  if (highest < lowest) return {};
   const bool highest_is_tread = std::any_of(flight.fits.begin(), flight.fits.end(), [&](const StepFit& fit) {
-    return fit.step_index == highest && !flight.elements[fit.element].riser;
+    const StepElement& e = flight.elements[fit.element];
+    return fit.step_index == highest && !e.riser && !e.landing;
   });
 
   const int most_away = LevelsKnown(flight);
@@ -196,7 +188,7 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
     if (level >= highest - 1 && level <= highest + 1 && before > -slack && before < stride.run &&
         along.length() > long_enough && along.high > edge + long_enough && std::abs(before) < head_gap) {
       head_gap = std::abs(before);
-      head = LevelHeight{level, z};
+      head = LevelHeight{level, z, LevelHeightSigma(*shapes[shape])};
       ends.head_shape = shape;
     }
     // A floor that is long before the flight may go on beneath open steps.
@@ -206,7 +198,7 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
         behind < 4.0 * stride.run && (at_feet || along.low < edge - 0.1 * stride.run) &&
         to_flight < foot_gap) {
       foot_gap = to_flight;
-      foot = LevelHeight{level, z};
+      foot = LevelHeight{level, z, LevelHeightSigma(*shapes[shape])};
       ends.foot_shape = shape;
     }
   }

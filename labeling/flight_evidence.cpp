@@ -24,6 +24,7 @@ struct Evidence {
   bool any_underside = false;
   bool faces_tile = false;  ///< at least two faces reach from one step to the next
   bool sides_agree = false;
+  bool landing_edge = false;     ///< the edge of the landing was seen from above
   std::optional<LineFit> z;      ///< heights over step indices; none: they do not tell the rise
   std::optional<LineFit> along;  ///< places of the edges over step indices
 };
@@ -46,6 +47,12 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
   for (const StepFit& fit : flight.fits) {
     const StepElement& e = flight.elements[fit.element];
     const int k = fit.step_index - ends.first_step + 1;
+    if (e.landing) {
+      if (k != ends.num_risers() || !ends.head_shape) continue;
+      counted.push_back(fit);
+      evidence.landing_edge = true;
+      continue;
+    }
     if (k < 1 || k > (e.riser ? ends.num_risers() : ends.num_treads())) continue;
     counted.push_back(fit);
     // A wall that goes on beside and above its riser in one plane shows the riser, but is a wall.
@@ -187,8 +194,12 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   if (ends.num_risers() < 2 || ends.num_treads() < 1) return std::nullopt;
   Evidence evidence = Gather(flight, ends);
   const int num_steps = static_cast<int>(evidence.seen.size());
-  if (stride.lateral.length() < config.min_width_m || evidence.num_levels < 2) return std::nullopt;
-  if (evidence.members.empty() || num_steps < 2 || !evidence.z || !evidence.along) return std::nullopt;
+  if (stride.lateral.length() < config.min_width_m) return std::nullopt;
+  // One step is enough between the edge of a landing and the floor below.
+  const int least = evidence.landing_edge && ends.foot_shape ? 1 : 2;
+  if (evidence.members.empty() || std::min(num_steps, evidence.num_levels) < least || !evidence.z ||
+      !evidence.along)
+    return std::nullopt;
 
   FoundStaircase found;
   found.model = flight.frame->ModelAt(stride.EdgeAt(ends.first_step), stride.lateral);

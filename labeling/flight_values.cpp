@@ -50,12 +50,13 @@ std::vector<LineValue> StepHeights(const Flight& flight, const std::vector<StepF
   std::vector<LineValue> values;
   for (const StepFit& fit : fits) {
     const StepElement& e = flight.elements[fit.element];
+    if (e.landing && !flight.ends.empty()) continue;  // one of those
     const double z = e.riser ? e.heights.high : e.z;
     const double offset = e.riser ? kFaceTopsOffset_m : e.underside ? kBoardOffset_m : 0.0;
     values.push_back({static_cast<double>(fit.step_index), z, e.height_sigma_m, shares.Of(fit), offset});
   }
   for (const LevelHeight& end : flight.ends)
-    values.push_back({static_cast<double>(end.level), end.z, kLevelHeightSigma_m});
+    values.push_back({static_cast<double>(end.level), end.z, end.sigma_m});
   return values;
 }
 

@@ -38,20 +38,29 @@ double TreadFrontSigma(const RegionShape& tread, const Eigen::Vector3d& eye) {
   return std::hypot(kTreadFrontSigma, tread.polygon->noise_m * away / above);
 }
 
-/// A level piece is known no better than its points agree on it: what was merged with it pulls at it. The top
-/// of a face, a strip of an incline and a board seen from below tell the height of the tread only about.
+/// The top of a face, a strip of an incline and a board seen from below tell the height of a tread only
+/// about.
 void AddSigmas(const RegionShape& shape, const Eigen::Vector3d& eye, StepCandidate& c) {
   constexpr double kRoughHeightSigma = 0.015;
-  constexpr double kFacePlaceSigma = 0.010;
-  const bool rough = c.riser || c.leaning || c.underside;
-  c.height_sigma_m = c.riser
-                         ? kRoughHeightSigma
-                         : std::max(rough ? kRoughHeightSigma : kLevelHeightSigma_m, shape.polygon->rms_m);
-  c.front_sigma_m = c.riser ? kFacePlaceSigma : TreadFrontSigma(shape, eye);
-  c.view = (shape.centroid - eye).head<2>().normalized();
+  constexpr double kBestPlace_m = 0.008;
+  const double level_sigma = LevelHeightSigma(shape);
+  const bool about = c.leaning || c.underside;
+  c.height_sigma_m = c.riser ? kRoughHeightSigma
+                     : about ? std::max(kRoughHeightSigma, level_sigma)
+                             : level_sigma;
+  c.front_sigma_m = c.riser ? std::hypot(kBestPlace_m, shape.polygon->noise_m) : TreadFrontSigma(shape, eye);
+  c.eye = eye.head<2>();
 }
 
 }  // namespace
+
+double LevelHeightSigma(const RegionShape& shape) {
+  constexpr double kBest_m = 0.003;
+  // A floor is large: where it meets the flight its height does not depend on how it leans.
+  constexpr double kMostLean_m = 0.02;
+  const double lean_m = std::min(kMostLean_m, shape.heights().length()) / std::sqrt(12.0);
+  return std::hypot(kBest_m, shape.polygon->rms_m, lean_m);
+}
 
 std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
                                           const std::vector<RegionShapePtr>& shapes,
@@ -82,9 +91,10 @@ std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
         candidates.push_back({i, false, false, false, true});
     } else if (s.lean == Lean::kSupport) {
       const double depth = s.rectangle.depth_m;
-      if (s.slope_rad <= Radians(config.max_tread_slope_deg) && depth >= kMinDepth &&
-          depth <= 2.0 * max_depth)
-        candidates.push_back({i, false, depth > max_depth});
+      if (s.slope_rad > Radians(config.max_tread_slope_deg) || depth < kMinDepth) continue;
+      StepCandidate c{i, false, depth > max_depth};
+      c.landing = depth > kMaxBoards * max_depth;
+      candidates.push_back(c);
     }
   }
   for (StepCandidate& c : candidates) AddSigmas(*shapes[c.shape], eye, c);
@@ -100,21 +110,25 @@ std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
   const double min_cos_tread = std::cos(Radians(2.0 * config.max_turn_deg));
   std::vector<StepElement> elements;
   for (const StepCandidate& c : candidates) {
-    if (c.spiral_only && !frame.spiral()) continue;
+    if (c.landing ? frame.spiral() : c.spiral_only && !frame.spiral()) continue;
     const RegionShape& s = *shapes[c.shape];
     const Eigen::Vector2d up = frame.UpAt(s.rectangle.center);
     if (c.riser && -s.front().dot(up) < min_cos_riser) continue;
     // It leans as the flight does.
     if (c.leaning && (frame.spiral() || -s.plane.normal.head<2>().normalized().dot(up) < min_cos_riser))
       continue;
-    if (!c.riser && !frame.spiral() && s.rectangle.length_m > 2.0 * s.rectangle.depth_m &&
+    if (!c.riser && !c.landing && !frame.spiral() && s.rectangle.length_m > 2.0 * s.rectangle.depth_m &&
         std::abs(s.rectangle.short_axis().dot(up)) < min_cos_tread)
       continue;
     StepElement e;
     static_cast<StepCandidate&>(e) = c;
-    e.seen_from_uphill = c.view.dot(up) < 0.0;
     e.lateral = frame.LateralExtent(s);
     e.along = frame.AlongExtent(s, e.lateral);
+    // Of a landing the edge counts.
+    const Eigen::Vector2d seen_at =
+        c.landing ? frame.PointAt(e.along.low, e.lateral.middle()) : s.rectangle.center;
+    e.seen_from_uphill = (seen_at - c.eye).dot(up) < 0.0;
+    if (c.landing && !e.seen_from_uphill) continue;
     if (c.riser) e.along = {e.along.middle(), e.along.middle()};
     e.heights = c.riser ? s.face_heights : s.heights();
     e.z = c.riser ? e.heights.middle() : s.HeightAt(s.rectangle.center);
@@ -124,6 +138,15 @@ std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
     elements.push_back(e);
   }
   return elements;
+}
+
+void MeasureLandings(const std::vector<RegionShapePtr>& shapes, const FlightFrame& frame,
+                     const Interval& lateral, std::vector<StepElement>& elements) {
+  for (StepElement& e : elements) {
+    if (!e.landing) continue;
+    e.along = frame.AlongExtent(*shapes[e.shape], lateral);
+    e.z = frame.HeightNear(*shapes[e.shape], e.along.low, lateral.middle());
+  }
 }
 
 }  // namespace terrace

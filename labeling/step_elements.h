@@ -19,13 +19,16 @@ struct StepCandidate {
   bool leaning = false;
   /// A board seen from below. Evidence of a step as well, and no region to step on.
   bool underside = false;
-  double height_sigma_m = 0.0;                     ///< of a tread its level, of a face its top
-  double front_sigma_m = 0.0;                      ///< of a tread its front, of a face its place
-  Eigen::Vector2d view = Eigen::Vector2d::Zero();  ///< unit vector from the eye to it in the plan
+  /// A level piece deeper than a tread. Where its edge is seen from above, the highest riser stands there.
+  bool landing = false;
+  double height_sigma_m = 0.0;                    ///< of a tread its level, of a face its top
+  double front_sigma_m = 0.0;                     ///< of a tread its front, of a face its place
+  Eigen::Vector2d eye = Eigen::Vector2d::Zero();  ///< where the camera was, in the plan
 };
 
-/// How well the height of a level piece is known at best.
-constexpr double kLevelHeightSigma_m = 0.006;
+/// How well the height of a level piece is known: no better than its points agree on it, and than it is
+/// level, for what was merged with it pulls at it.
+double LevelHeightSigma(const RegionShape& shape);
 
 /// What may be riser or tread, by its own form alone.
 /// @param eye  where the camera is
@@ -48,5 +51,9 @@ struct StepElement : StepCandidate {
 std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
                                       const std::vector<RegionShapePtr>& shapes,
                                       const std::vector<StepCandidate>& candidates, const FlightFrame& frame);
+
+/// Measures landings anew where a flight meets them: beside it they may end elsewhere.
+void MeasureLandings(const std::vector<RegionShapePtr>& shapes, const FlightFrame& frame,
+                     const Interval& lateral, std::vector<StepElement>& elements);
 
 }  // namespace terrace

@@ -180,7 +180,7 @@ TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
     sight.T_level_left.translation() = Eigen::Vector3d(1.5, 0.0, 1.5);
     // As good as single treads and faces are taken to be.
     const auto found =
-        finder.Find(ShapesOf(scene.Update({0.006, 0.01, 0.012}, seed).changed), {}, sight, true);
+        finder.Find(ShapesOf(scene.Update({0.0045, 0.01, 0.012}, seed).changed), {}, sight, true);
     if (found.size() != 1u) continue;
     sum2 += std::pow((found[0].model.rise_m - flight.rise_m) / found[0].rise_sigma_m, 2);
     ++num;
@@ -261,6 +261,38 @@ TEST(StaircaseFinderTest, MissesNoRisersWhereTheyAreOpen) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 3);
   EXPECT_NEAR(found[0].model.rise_m, 0.155, 0.002);
+}
+
+/// The floor above an edge, what shows of one tread below it, and the floor below.
+std::vector<FoundStaircase> FindBelowAnEdge(double floor_below_m, double tread_width_m = 1.6) {
+  constexpr double kRise = 0.15, kRun = 0.28, kShows = 0.1;
+  LabelScene scene;
+  // Beside the flight the floor above goes on.
+  KnownPiece floor;
+  floor.outline = {{-1, -2, 0},     {kEdgeX + 1, -2, 0}, {kEdgeX + 1, -1, 0},
+                   {kEdgeX, -1, 0}, {kEdgeX, 2, 0},      {-1, 2, 0}};
+  scene.Add(floor);
+  scene.AddLevel(TerrainLabel::kStairTread, {kEdgeX + kRun - 0.5 * kShows, 0.2, -kRise}, kShows,
+                 tread_width_m);
+  scene.AddLevel(TerrainLabel::kWalkway, {6.0, 0, -floor_below_m}, 4, 1.6);
+  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, FromAbove(), true);
+}
+
+TEST(StaircaseFinderTest, TellsAFlightDownByTheEdgeAboveItAndOneTread) {
+  const auto found = FindBelowAnEdge(0.45);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 3);
+  EXPECT_NEAR(found[0].model.rise_m, 0.15, 0.002);
+  EXPECT_NEAR(found[0].model.run_m, 0.28, 0.01);
+  EXPECT_LT(found[0].run_sigma_m, 0.2 * 0.28);
+  EXPECT_LT(found[0].model.UpAt(1.0).x(), -0.99);
+  EXPECT_EQ(found[0].head_shape, 0);
+  EXPECT_EQ(found[0].foot_shape, 2);
+}
+
+TEST(StaircaseFinderTest, TellsNoFlightDownByALedgeAlone) {
+  EXPECT_TRUE(FindBelowAnEdge(0.375).empty()) << "the floor below lies at no whole number of steps";
+  EXPECT_TRUE(FindBelowAnEdge(0.45, 0.5).empty()) << "both sides of it are in view: a box";
 }
 
 TEST(StaircaseFinderTest, CountsAFlightDownByItsFirstTreadsAndTheFloorBelow) {
