@@ -22,7 +22,7 @@ struct Evidence {
   int num_levels = 0;
   bool any_whole_face = false;  ///< that reaches over most of the rise: the front of a board does not
   bool any_underside = false;
-  bool faces_tile = false;  ///< at least two faces reach from one step to the next
+  bool faces_tile = false;  ///< faces of two neighbouring steps reach from one to the next
   bool sides_agree = false;
   bool landing_edge = false;     ///< the edge of the landing was seen from above
   std::optional<LineFit> z;      ///< heights over step indices; none: they do not tell the rise
@@ -76,7 +76,8 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
             [](const StepMember& a, const StepMember& b) { return a.shape < b.shape; });
   evidence.num_levels = static_cast<int>(levels.size());
   evidence.any_whole_face = !whole_faces.empty();
-  evidence.faces_tile = whole_faces.size() >= 2;
+  evidence.faces_tile =
+      std::any_of(whole_faces.begin(), whole_faces.end(), [&](int k) { return whole_faces.contains(k + 1); });
   evidence.sides_agree = SidesAgree(sides);
   return evidence;
 }

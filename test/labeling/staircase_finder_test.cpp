@@ -234,6 +234,23 @@ TEST(StaircaseFinderTest, TellsNoFlightByTwoTopsWithoutTheFloorBeneathThem) {
   EXPECT_TRUE(FindFromBelow(OpenFlight(2, 0.28, 3.0)).empty());
 }
 
+TEST(StaircaseFinderTest, TellsNoFlightByTwoFacesBetweenWhichOneIsMissing) {
+  // From where no other step would be in view.
+  const auto num_found = [](int second) {
+    LabelScene scene;
+    scene.AddLevel(TerrainLabel::kWalkway, {1.5, -1.5, 0}, 5, 3);
+    for (const int k : {1, second}) {
+      const double y = 0.25 * (k - 1), z = 0.2 * (k - 1);
+      scene.AddFace(TerrainLabel::kObstacle, {2.5, y, z}, {3.5, y, z}, 0.2);
+    }
+    Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+    sight.T_level_left.translation() = Eigen::Vector3d(0.0, 1.0, 0.5);
+    return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, sight, true).size();
+  };
+  EXPECT_EQ(num_found(2), 1u);
+  EXPECT_EQ(num_found(3), 0u);
+}
+
 TEST(StaircaseFinderTest, TakesTheFloorBeneathAnOpenFlightForItsFootAndNoTread) {
   // Boards that reach under one another are deeper than the run.
   const auto found = FindFromBelow(OpenFlight(3, 0.335, 5.0));
