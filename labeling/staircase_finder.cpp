@@ -53,7 +53,7 @@ bool LiesWithin(const FoundStaircase& staircase, const RegionShape& shape) {
 std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<RegionShapePtr>& shapes,
                                                   const std::vector<FlightModel>& known, const Sight& sight,
                                                   bool compete) const {
-  std::vector<StepCandidate> candidates = StepCandidates(config_, shapes);
+  std::vector<StepCandidate> candidates = StepCandidates(config_, shapes, sight.eye());
   std::vector<FoundStaircase> found;
   const auto take = [&](FoundStaircase&& staircase) {
     std::set<int> used;

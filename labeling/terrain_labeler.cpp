@@ -75,7 +75,7 @@ class TerrainLabeler::Impl {
     eye_ = T_level_left.translation();
     views_.Look(table_, T_level_left, update.t_capture);
     constexpr std::int64_t kCompetePeriod = 5;  // frames
-    const bool compete = num_frames_ % kCompetePeriod == 0;
+    const bool compete = num_frames_ % kCompetePeriod == 0 || tracker_.contested();
     const Sight sight{camera_, T_level_left, GroundUnder(pose)};
     tracker_.Update(finder_.Find(shapes, tracker_.Models(table_), sight, compete), table_);
     stair_regions_.Update(tracker_);
@@ -99,7 +99,8 @@ class TerrainLabeler::Impl {
       explanations.regions.push_back(ExplainRegion(record, NeighborsOf(id)));
     }
     for (const auto& region : map_->regions)
-      if (region->predicted() && wanted(region->id)) explanations.regions.push_back(ExplainInferredStep(*region));
+      if (region->predicted() && wanted(region->id))
+        explanations.regions.push_back(ExplainInferredStep(*region));
     for (const auto& [id, staircase] : tracker_.confirmed())
       if (wanted(id)) explanations.staircases.push_back(ExplainStaircase(staircase));
     for (RegionExplanation& region : explanations.regions) region.text = words.Of(region);
