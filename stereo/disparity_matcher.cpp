@@ -191,7 +191,8 @@ class DisparityMatcher::Impl {
     result.range_px = static_cast<float>(range_px_);
     units_.Set(result.disparity_px);
     edges_.Sharpen(frame.left, right_, units_, {&steep_, 2});
-    refiner_.Refine(frame.left, right_, units_, result.disparity_px, &result.sigma_px, {&steep_, 2});
+    refiner_.Refine(frame.left, right_, units_, result.disparity_px, &result.sigma_px, {&steep_, 2},
+                    MisalignmentOf(result.row_offsets, size));
     ForgetFlatFringes(frame.left, half_left_, result.disparity_px, result.sigma_px);
     ForgetBeyondRange(result);
     return result;
@@ -271,6 +272,14 @@ class DisparityMatcher::Impl {
     DoubleDisparity(half_disparity_, disparity, steep_);
   }
 
+  /// How far the columns are off nobody can see in one pair. A rig whose rows are off is as wrong along them,
+  /// as far as that comes of its calibration: a camera that was pitched since then is not turned as well.
+  static float MisalignmentOf(const RowOffsets& offsets, const cv::Size& size) {
+    const float rows_px = offsets.Rms(size);
+    const float square = rows_px * rows_px - kRowOffsetNoisePx * kRowOffsetNoisePx;
+    return std::min(std::sqrt(std::max(square, 0.0f)), kMostMisalignmentPx);
+  }
+
   /// The halved images, and the right one with rows where the left one has them.
   RowOffsets Straighten(const StereoFrame& frame) {
     HalveImage(frame.left, half_left_);
@@ -290,8 +299,10 @@ class DisparityMatcher::Impl {
 
   static constexpr float kMinRowOffsetPx =
       0.07f;  // rms: what is less is hardly more than the error of measuring it
-  static constexpr int kAroundRegionPx = 32;  // from which paths and windows reach into a region
-  static constexpr float kMaxSlope = 1.0f;    // pixels of disparity between neighbours of one piece
+  static constexpr float kRowOffsetNoisePx = 0.05f;   // rms: what is measured where the rows are not off
+  static constexpr float kMostMisalignmentPx = 0.2f;  // measured: calibrations leave no more
+  static constexpr int kAroundRegionPx = 32;          // from which paths and windows reach into a region
+  static constexpr float kMaxSlope = 1.0f;            // pixels of disparity between neighbours of one piece
 
   const DisparityConfig config_;
   const int range_px_;

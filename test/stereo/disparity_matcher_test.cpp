@@ -138,6 +138,29 @@ TEST_P(DisparityMatcherTest, FindsAPlaneWhenTheRightRowsAreOff) {
   EXPECT_GT(rms(off, false), 3.0 * rms(off, true));  // what it is for
 }
 
+TEST_P(DisparityMatcherTest, KnowsHowWrongAPairMayBeWhoseRowsAndColumnsAreOff) {
+  // The columns are off by a fifth of a pixel, which nothing shows, and so are the rows, which can be seen.
+  constexpr double kOff_px = 0.2;
+  const SlantedPlane plane{8.3, 0.01, 0.05};
+  const StereoFrame straight = RenderPlane(480, 360, {plane.d0 + kOff_px, plane.du, plane.dv});
+  StereoFrame off = straight;
+  off.right = cv::Mat1b();
+  StraightenRows(straight.right, {.centre_px = -kOff_px}, off.right);
+  const auto ratio = [&](const StereoFrame& frame) {  // of errors to sigma, 68 % quantile
+    const DisparityImage result = DisparityMatcher(Tier(GetParam(), 64)).Match(frame);
+    std::vector<double> ratios;
+    for (int v = 10; v < 350; ++v)
+      for (int u = 60; u < 470; ++u)
+        if (!std::isnan(result.disparity_px(v, u)))
+          ratios.push_back(std::abs(result.disparity_px(v, u) - plane.At(u, v)) / result.sigma_px(v, u));
+    std::nth_element(ratios.begin(), ratios.begin() + ratios.size() * 68 / 100, ratios.end());
+    return ratios[ratios.size() * 68 / 100];
+  };
+  EXPECT_GT(ratio(off), 0.8);
+  EXPECT_LT(ratio(off), 1.3);
+  EXPECT_GT(ratio(straight), 2.0);  // what straight rows do not show
+}
+
 TEST_P(DisparityMatcherTest, FindsASlantedPlaneWhereverBothCamerasSeeIt) {
   DisparityMatcher matcher(Tier(GetParam(), 32));
   const SlantedPlane plane{8.3, 0.01, 0.05};
