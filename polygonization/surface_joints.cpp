@@ -21,8 +21,12 @@ constexpr std::array<double, 2> kApart_m{0.02, 0.035};
 /// way up only.
 constexpr std::array<double, 3> kFarApart_m{0.07, 0.12, 0.18};
 constexpr std::array<double, 3> kHigherThanSteps_m{0.35, 0.42, 0.5};
-/// Where the face of a step is no longer seen, its line is followed for so long, if the ground beyond it is of
-/// another level: a kerb far away.
+/// Pixels of ground agree with a face that stands on it up to this height beside the face, too. The face is
+/// there where it is seen farther from the line, or hides the ground behind it.
+constexpr double kFoot_m = 0.045;
+constexpr std::array<double, 3> kOffFoot_m{0.05, 0.065, 0.08};
+/// Where the face of a step is no longer seen, its line is followed for so long, if the ground beyond it is
+/// of another level: a kerb far away.
 constexpr double kOnward_m = 1.5;
 /// Ground of another level is at least so much higher or lower.
 constexpr double kLeastStep_m = 0.03;
@@ -117,6 +121,7 @@ class Joint {
     const Eigen::Vector3d up = (own - own.dot(n) * n).normalized();
     up_other_ = {other.axes.x.dot(up), other.axes.y.dot(up)};
     scale_ = std::clamp(0.5 / line.sine, 1.0, 4.0);
+    face_on_ground_ = n.z() > kLevel && std::abs(own.z()) < kUpright;
     step_over_face_ = n.z() > kLevel && std::abs(own.z()) < kUpright;
     for (const Surface* level : levels) levels_.emplace_back(level->Frame(), level->evidence);
   }
@@ -198,6 +203,11 @@ class Joint {
     }
     if (!above && !below && !seen_through) above = IsWall(on_other);
     if (!above && !below) return Keep::kUnsaid;
+    if (face_on_ground_ && above && below && IsBesideFace(at)) {
+      for (double d = -kFoot_m; d <= kFoot_m; d += kStride_px * bitmap_.pixel_m)
+        Bar(bitmap_.PixelAt(at + d * line_.to_front));
+      return Keep::kUnsaid;
+    }
     if (front >= behind + kClearly) return Keep::kFront;
     if (behind >= front + kClearly) return Keep::kBehind;
     // What rises from a surface hides what lies behind it; what falls away from it has it behind itself.
@@ -228,6 +238,13 @@ class Joint {
         Bar(bitmap_.PixelAt(end + d * down + side * onward));
     for (const Eigen::Vector2d& inside : {onward, Eigen::Vector2d(-onward)})
       lines->push_back({end, down, inside, 0.0, depth});
+  }
+
+  /// Whether pixels of ground at the foot of a face agree with it where it has ended.
+  bool IsBesideFace(const Eigen::Vector2d& at) const {
+    return std::none_of(kOffFoot_m.begin(), kOffFoot_m.end(), [&](double d) {
+      return bitmap_.OnAt(at + d * line_.to_front) || bitmap_.OnAt(at - d * line_.to_front);
+    });
   }
 
   /// Whether the other surface is seen again higher up, and is higher than a step.
@@ -327,6 +344,7 @@ class Joint {
   PlaneBitmap& bitmap_;
   Eigen::Vector2d up_other_;  // in the other plane, away from the line on the seen side of this one
   double scale_;
+  bool face_on_ground_;  // the other surface may be the ground that this one stands on
   bool step_over_face_;  // the other surface may be the tread over this one
 };
 

@@ -107,5 +107,22 @@ TEST_F(SurfaceJointsTest, GroundGoesOnUnderAFaceThatOneSeesUnder) {
   EXPECT_TRUE(Cut(kLower).OnAt({1.5, 0.05}));
 }
 
+TEST_F(SurfaceJointsTest, AFaceDoesNotGoOnAlongTheGroundBesideIt) {
+  See(kFace, 0.0, 1.0, 0.0, 0.5);
+  See(kFace, 1.0, 1.2, 0.0, 0.04);
+  See(kLower, 0.0, 3.0, -1.0, 0.0);
+  See(kLower, 1.0, 3.0, 0.0, 1.0);
+  const PlaneBitmap face = Cut(kFace);
+  EXPECT_TRUE(face.OnAt({0.5, 0.015}));
+  EXPECT_TRUE(face.OnAt({0.9, 0.015}));
+  EXPECT_FALSE(face.OnAt({1.1, 0.015}));
+}
+
+TEST_F(SurfaceJointsTest, ALowFaceStaysThoughPixelsAtItsFootAgreeWithTheGroundToo) {
+  See(kFace, 0.0, 3.0, 0.0, 0.06);
+  See(kLower, 0.0, 3.0, -1.0, 0.05);
+  EXPECT_TRUE(Cut(kFace).OnAt({1.5, 0.025}));
+}
+
 }  // namespace
 }  // namespace terrace
