@@ -21,10 +21,16 @@ constexpr std::array<double, 2> kApart_m{0.02, 0.035};
 /// way up only.
 constexpr std::array<double, 3> kFarApart_m{0.07, 0.12, 0.18};
 constexpr std::array<double, 3> kHigherThanSteps_m{0.35, 0.42, 0.5};
-/// Pixels of ground agree with a face that stands on it up to this height beside the face, too. The face is
-/// there where it is seen farther from the line, or hides the ground behind it.
-constexpr double kFoot_m = 0.045;
-constexpr std::array<double, 3> kOffFoot_m{0.05, 0.065, 0.08};
+/// Beyond the end of one of two surfaces that meet, pixels of the other agree with it in a strip along the
+/// line. It is there where it is seen farther from the line than this: a face on ground, and ground at a
+/// face.
+struct Strip {
+  double half_width_m;
+  std::array<double, 3> beside_m;
+  bool other_on_both_sides;  // only where the other surface is seen on both sides of this one
+};
+constexpr Strip kFaceStrip{0.045, {0.05, 0.065, 0.08}, true};
+constexpr Strip kGroundStrip{0.1, {0.1, 0.13, 0.16}, false};
 /// Where the face of a step is no longer seen, its line is followed for so long, if the ground beyond it is
 /// of another level: a kerb far away.
 constexpr double kOnward_m = 1.5;
@@ -121,7 +127,8 @@ class Joint {
     const Eigen::Vector3d up = (own - own.dot(n) * n).normalized();
     up_other_ = {other.axes.x.dot(up), other.axes.y.dot(up)};
     scale_ = std::clamp(0.5 / line.sine, 1.0, 4.0);
-    face_on_ground_ = n.z() > kLevel && std::abs(own.z()) < kUpright;
+    if (n.z() > kLevel && std::abs(own.z()) < kUpright) strip_ = &kFaceStrip;
+    if (own.z() > kLevel && std::abs(n.z()) < kUpright) strip_ = &kGroundStrip;
     step_over_face_ = n.z() > kLevel && std::abs(own.z()) < kUpright;
     for (const Surface* level : levels) levels_.emplace_back(level->Frame(), level->evidence);
   }
@@ -203,8 +210,8 @@ class Joint {
     }
     if (!above && !below && !seen_through) above = IsWall(on_other);
     if (!above && !below) return Keep::kUnsaid;
-    if (face_on_ground_ && above && below && IsBesideFace(at)) {
-      for (double d = -kFoot_m; d <= kFoot_m; d += kStride_px * bitmap_.pixel_m)
+    if (strip_ != nullptr && ((above && below) || !strip_->other_on_both_sides) && IsStrip(at)) {
+      for (double d = -strip_->half_width_m; d <= strip_->half_width_m; d += kStride_px * bitmap_.pixel_m)
         Bar(bitmap_.PixelAt(at + d * line_.to_front));
       return Keep::kUnsaid;
     }
@@ -240,9 +247,9 @@ class Joint {
       lines->push_back({end, down, inside, 0.0, depth});
   }
 
-  /// Whether pixels of ground at the foot of a face agree with it where it has ended.
-  bool IsBesideFace(const Eigen::Vector2d& at) const {
-    return std::none_of(kOffFoot_m.begin(), kOffFoot_m.end(), [&](double d) {
+  /// Whether only pixels of the other surface agree with this one, which has ended.
+  bool IsStrip(const Eigen::Vector2d& at) const {
+    return std::none_of(strip_->beside_m.begin(), strip_->beside_m.end(), [&](double d) {
       return bitmap_.OnAt(at + d * line_.to_front) || bitmap_.OnAt(at - d * line_.to_front);
     });
   }
@@ -344,8 +351,8 @@ class Joint {
   PlaneBitmap& bitmap_;
   Eigen::Vector2d up_other_;  // in the other plane, away from the line on the seen side of this one
   double scale_;
-  bool face_on_ground_;  // the other surface may be the ground that this one stands on
-  bool step_over_face_;  // the other surface may be the tread over this one
+  const Strip* strip_ = nullptr;  // null: neither is ground
+  bool step_over_face_;           // the other surface may be the tread over this one
 };
 
 /// Ground next to this surface that lies higher or lower by a step; none when this is no ground.

@@ -118,6 +118,15 @@ TEST_F(SurfaceJointsTest, AFaceDoesNotGoOnAlongTheGroundBesideIt) {
   EXPECT_FALSE(face.OnAt({1.1, 0.015}));
 }
 
+TEST_F(SurfaceJointsTest, GroundDoesNotGoOnAlongAWallBeyondItsEnd) {
+  See(kFace, 0.0, 3.0, -0.5, 0.5);
+  See(kLower, 0.0, 1.0, -1.0, 0.0);
+  See(kLower, 1.0, 1.5, -0.08, 0.0);
+  const PlaneBitmap lower = Cut(kLower);
+  EXPECT_TRUE(lower.OnAt({0.9, -0.04}));
+  EXPECT_FALSE(lower.OnAt({1.1, -0.04}));
+}
+
 TEST_F(SurfaceJointsTest, ALowFaceStaysThoughPixelsAtItsFootAgreeWithTheGroundToo) {
   See(kFace, 0.0, 3.0, 0.0, 0.06);
   See(kLower, 0.0, 3.0, -1.0, 0.05);
