@@ -27,11 +27,11 @@ std::vector<Sample> TakeUpTo(Timestamp t, std::deque<Sample>* samples) {
 
 }  // namespace
 
-bool RisingTimes::Accept(Timestamp t) {
+bool RisingTimes::Accept(Timestamp t, std::chrono::nanoseconds silence) {
   constexpr std::chrono::seconds kOvertakes(1);  // messages of one clock overtake one another by less
   const bool back = last_ && *last_ - t > kOvertakes;
   if (last_ && t <= *last_ && !back) return false;
-  const bool jumps = back || (last_ && t - *last_ > max_jump_);
+  const bool jumps = back || (last_ && t - *last_ > max_jump_ + silence);
   const bool confirmed = suspect_ && t > *suspect_ && t - *suspect_ <= max_jump_;
   if (jumps && !confirmed) {
     suspect_ = t;
@@ -54,7 +54,8 @@ FrameAssembler::FrameAssembler(const LiveConfig& config)
 void FrameAssembler::Add(const ImuSample& sample, ArrivalTime now) {
   newest_imu_ = {sample.t, now};
   // What belongs to a frame that is out already has come too late.
-  if (!imu_times_.Accept(sample.t) || (last_frame_ && sample.t <= *last_frame_)) {
+  if (!imu_times_.Accept(sample.t, now - imu_arrived_.value_or(now)) ||
+      (last_frame_ && sample.t <= *last_frame_)) {
     ++num_imu_gaps_;
     return;
   }
@@ -76,10 +77,11 @@ void FrameAssembler::Add(const BodyPrior& prior) {
 }
 
 void FrameAssembler::Add(StereoPair pair, ArrivalTime now) {
-  if (!pair_times_.Accept(pair.t_capture)) {
+  if (!pair_times_.Accept(pair.t_capture, now - pair_arrived_.value_or(now))) {
     ++num_time_jumps_;
     return;
   }
+  pair_arrived_ = now;
   if (pair_times_.clock_set_by().count() != 0) {
     clock_change_ = pair_times_.clock_set_by();
     ForgetOtherClock(pair.t_capture);

@@ -20,7 +20,8 @@ class RisingTimes {
   explicit RisingTimes(std::chrono::nanoseconds max_jump) : max_jump_(max_jump) {}
 
   /// True when an item with this time can be used.
-  bool Accept(Timestamp t);
+  /// @param silence  since the last one arrived: a time stamp that is ahead by as much is no jump
+  bool Accept(Timestamp t, std::chrono::nanoseconds silence = {});
   /// By how much the clock was set with the last time that was accepted; zero: it was not.
   std::chrono::nanoseconds clock_set_by() const { return clock_set_by_; }
   const std::optional<Timestamp>& last() const { return last_; }
@@ -83,6 +84,7 @@ class FrameAssembler {
   std::deque<BodyPrior> priors_;
   std::optional<Timestamp> last_imu_;
   std::optional<ArrivalTime> imu_arrived_;
+  std::optional<ArrivalTime> pair_arrived_;
   std::optional<std::pair<Timestamp, ArrivalTime>> newest_imu_;  // whether it was taken or not
   std::optional<std::chrono::nanoseconds> imu_clock_ahead_;
   std::optional<Timestamp> last_frame_;

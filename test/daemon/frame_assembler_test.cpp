@@ -72,6 +72,19 @@ TEST(FrameAssemblerTest, SaysByHowMuchTheClockOfTheImuIsAnotherOne) {
   EXPECT_FALSE(assembler.imu_clock_ahead()) << "images may be late";
 }
 
+TEST(FrameAssemblerTest, TakesAGapForSilenceWhereTheArrivalShowsItToo) {
+  FrameAssembler assembler{LiveConfig()};
+  assembler.Add(Pair(1000), kStart);
+  assembler.TakeAny();
+  assembler.Add(Pair(31'000), kStart + milliseconds(30'000));
+  EXPECT_TRUE(assembler.TakeAny()) << "the camera was silent for half a minute";
+  EXPECT_EQ(assembler.TakeClockChange().count(), 0);
+  EXPECT_EQ(assembler.num_time_jumps(), 0);
+  assembler.Add(Pair(61'000), kStart + milliseconds(30'100));
+  EXPECT_FALSE(assembler.TakeAny()) << "its clock may have been set";
+  EXPECT_EQ(assembler.num_time_jumps(), 1);
+}
+
 TEST(FrameAssemblerTest, GivesUpOnAnImuThatHasGoneSilent) {
   FrameAssembler assembler{LiveConfig()};
   assembler.Add(Imu(990), kStart);
