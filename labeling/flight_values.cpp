@@ -10,7 +10,7 @@ namespace terrace {
 namespace {
 
 /// The front of a board, or a rounded edge, hides the tops of all faces alike.
-constexpr double kFaceTopsOffset_m = 0.02;
+constexpr double kFaceTopsOffset_m = 0.012;
 /// Boards are not all as thick.
 constexpr double kBoardOffset_m = 0.015;
 /// Treads jut out over their risers.

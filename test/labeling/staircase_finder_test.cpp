@@ -104,7 +104,7 @@ TEST(StaircaseFinderTest, MeasuresTheRiseByTheTopsOfFacesWhoseFeetAreHidden) {
 }
 
 TEST(StaircaseFinderTest, MeasuresTheRiseByTreadsWhereNosingsHideTheTopsOfAllFaces) {
-  constexpr double kRise = 0.17, kRun = 0.28, kHidden = 0.05, kNosing = 0.03;
+  constexpr double kRise = 0.17, kRun = 0.28, kHidden = 0.04, kNosing = 0.03;
   LabelScene scene;
   scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
   for (int k = 1; k <= 6; ++k) {
@@ -119,7 +119,8 @@ TEST(StaircaseFinderTest, MeasuresTheRiseByTreadsWhereNosingsHideTheTopsOfAllFac
   const StaircaseFinder finder{StaircaseConfig{}};
   const auto found = finder.Find(ShapesOf(scene.Update().changed), {}, sight, true);
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_NEAR(found[0].model.rise_m, kRise, 0.002);
+  // With the same weight for every kind it would be off by 8 mm.
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 0.003);
   EXPECT_NEAR(found[0].model.rise_m, kRise, 2.0 * found[0].rise_sigma_m);
   EXPECT_NEAR(found[0].model.run_m, kRun, 0.002);
 }
