@@ -212,6 +212,7 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs,
   if (pairs.empty()) return evaluation;
 
   const Eigen::Isometry3d T_by_positions = AlignByPositions(pairs);
+  evaluation.T_true_result = T_by_positions;
   const Eigen::Isometry3d T_by_first = AlignByFirstPose(pairs);
   const Eigen::Isometry3d T_by_orientations = AlignByOrientations(pairs);
   std::vector<double> errors_m, errors_from_first_m, rotation_errors_deg;

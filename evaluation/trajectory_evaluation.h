@@ -58,6 +58,7 @@ struct TrajectoryEvaluation {
   SegmentError mean_of_all;            ///< over every piece of every length; length_m means nothing
   SegmentError mean_of_kitti;          ///< the same of 100 m and more, as the KITTI benchmark has it
   CovarianceCalibration covariance;
+  Eigen::Isometry3d T_true_result = Eigen::Isometry3d::Identity();  ///< by positions, as in `samples`
   std::vector<TrajectorySample> samples;
 
   /// Of this length; none when no piece was that long.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The camera image, with the regions drawn over it as the robot's own camera would see them.
+// The camera image or its disparity, with the regions drawn over it as the robot's own camera would see them.
 import {
   LinearFilter, Matrix4, Mesh, MeshBasicMaterial, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, SRGBColorSpace, Texture, WebGLRenderer,
 } from 'three';
-import { CameraInfo, Model, Picture } from './model';
+import { CameraInfo, DisparityPicture, Model, Picture } from './model';
 import { matrixOf, Pose } from './space';
 import { OVERLAY_LAYER } from './surfaces';
 
@@ -33,7 +33,8 @@ export class Inset {
   private readonly paperCamera = new OrthographicCamera(-0.5, 0.5, 0.5, -0.5, -1, 1);
   private readonly paperMaterial = new MeshBasicMaterial({ depthTest: false, depthWrite: false });
   private readonly eye = new PerspectiveCamera();
-  private shown: Picture | null = null;
+  private picture: Picture | null = null;  // that is the texture
+  private shown: Picture | null = null;    // that is the texture or will be
   private decoding = false;
 
   constructor(private readonly onPicture: () => void) {
@@ -43,21 +44,33 @@ export class Inset {
   }
 
   /// Decodes the newest picture beside the drawing; one at a time, so that a fast source cannot pile them up.
-  update(model: Model): void {
-    const picture = model.picture;
+  /// @param disparity  shows the disparity in the image's place, where there is one
+  update(model: Model, disparity: boolean): void {
+    const picture = (disparity ? model.disparity : null) ?? model.picture;
     if (!picture || picture === this.shown || this.decoding) return;
     this.shown = picture;
     this.decoding = true;
     const point = sameFrame(model, picture.utime);
     const pose = point ? model.cameraPoseAt(point) : null;
     const blob = new Blob([picture.jpeg as BlobPart], { type: 'image/jpeg' });
-    void createImageBitmap(blob, { imageOrientation: 'flipY' }).then((bitmap) => this.take(bitmap, pose)).finally(() => {
+    void createImageBitmap(blob, { imageOrientation: 'flipY' }).then((bitmap) => this.take(bitmap, pose, picture)).finally(() => {
       this.decoding = false;
-      this.update(model);
+      this.update(model, disparity);
     });
   }
 
-  private take(bitmap: ImageBitmap, pose: Pose | null): void {
+  /// The picture in words; empty: there is none.
+  caption(camera: CameraInfo | null): string {
+    if (!this.picture) return '';
+    if ('leastPx' in this.picture) {
+      const { leastPx, greatestPx } = this.picture as DisparityPicture;
+      return `disparity, ${leastPx.toFixed(1)} to ${greatestPx.toFixed(1)} px`;
+    }
+    return `left camera, ${camera?.width ?? '?'}×${camera?.height ?? '?'}`;
+  }
+
+  private take(bitmap: ImageBitmap, pose: Pose | null, picture: Picture): void {
+    this.picture = picture;
     this.texture?.dispose();
     (this.texture?.image as ImageBitmap | undefined)?.close();
     this.texture = new Texture(bitmap);

@@ -23,29 +23,34 @@ attribute vec4 tint;
 attribute vec2 place;
 varying vec4 vTint;
 varying vec2 vPlace;
+#ifdef TEXTURED
 varying vec4 vImage;
 uniform mat4 imageFromWorld;
+#endif
 void main() {
   vTint = tint;
   vPlace = place;
+#ifdef TEXTURED
   vImage = imageFromWorld * vec4(position, 1.0);
+#endif
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 const FRAGMENT = `
 varying vec4 vTint;
 varying vec2 vPlace;
+#ifdef TEXTURED
 varying vec4 vImage;
 uniform sampler2D image;
-uniform float textured;
+#endif
 uniform float showPredicted;
 uniform float opacity;
 void main() {
   if (vTint.a < 0.5 && (showPredicted < 0.5 || fract((vPlace.x + vPlace.y) * 14.0) < 0.45)) discard;
   vec3 colour = gl_FrontFacing ? vTint.rgb : 0.55 * vTint.rgb;
-  if (textured > 0.5 && vImage.z > 0.0) {
-    vec2 at = vImage.xy / vImage.z;
-    if (at.x > 0.0 && at.x < 1.0 && at.y > 0.0 && at.y < 1.0) colour = mix(texture2D(image, at).rgb, colour, 0.25);
-  }
+#ifdef TEXTURED
+  vec2 at = vImage.xy / vImage.z;
+  if (vImage.z > 0.0 && at.x > 0.0 && at.x < 1.0 && at.y > 0.0 && at.y < 1.0) colour = mix(texture2D(image, at).rgb, colour, 0.25);
+#endif
   gl_FragColor = vec4(colour, opacity);
 }`;
 
@@ -90,8 +95,7 @@ export class Surfaces {
   private readonly chunks = new Map<number, Chunk>();
   private readonly layers = { fill: true, bands: true, lines: true };
   private readonly uniforms = {
-    image: { value: new Texture() }, imageFromWorld: { value: new Matrix4() }, textured: { value: 0 }, showPredicted: { value: 1 },
-    opacity: { value: 1 },
+    image: { value: new Texture() }, imageFromWorld: { value: new Matrix4() }, showPredicted: { value: 1 }, opacity: { value: 1 },
   };
   private readonly fillMaterial = new ShaderMaterial({
     vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: this.uniforms, side: DoubleSide,
@@ -99,9 +103,12 @@ export class Surfaces {
   });
   private readonly bandMaterial = new ShaderMaterial({
     vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide,
-    uniforms: { ...this.uniforms, textured: { value: 0 }, opacity: { value: 1 } },
+    uniforms: { ...this.uniforms, opacity: { value: 1 } },
   });
   private readonly lineMaterial = new LineBasicMaterial({ vertexColors: true });
+
+  /// @param outline  colour of all outlines; none: by the kind of each edge
+  constructor(private readonly outline: Colour | null = null) {}
 
   /// Makes anew what holds these regions.
   update(regions: Map<number, Region>, touched: Iterable<number>): void {
@@ -143,7 +150,11 @@ export class Surfaces {
 
   /// The camera image on the regions; none without a picture.
   setTexture(image: Texture | null, imageFromWorld: Matrix4 | null): void {
-    this.uniforms.textured.value = image && imageFromWorld ? 1 : 0;
+    const textured = image !== null && imageFromWorld !== null;
+    if (textured !== 'TEXTURED' in this.fillMaterial.defines) {
+      this.fillMaterial.defines = textured ? { TEXTURED: '' } : {};
+      this.fillMaterial.needsUpdate = true;
+    }
     if (image) this.uniforms.image.value = image;
     if (imageFromWorld) this.uniforms.imageFromWorld.value = imageFromWorld;
   }
@@ -224,7 +235,7 @@ export class Surfaces {
     const n = ring.length / 2;
     for (let i = 0; i < n; ++i) {
       const j = (i + 1) % n;
-      const colour = region.id === this.selected ? SELECTED : EDGES[region.edges[ringIndex][i].kind] ?? EDGES[0];
+      const colour = region.id === this.selected ? SELECTED : this.outline ?? EDGES[region.edges[ringIndex][i].kind] ?? EDGES[0];
       out.add(region.toWorld(ring[2 * i], ring[2 * i + 1], BAND_LIFT_M), colour, true);
       out.add(region.toWorld(ring[2 * j], ring[2 * j + 1], BAND_LIFT_M), colour, true);
     }
