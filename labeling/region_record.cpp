@@ -69,8 +69,9 @@ void RegionRecord::Tell(const PolygonPtr& polygon_ptr, const Verdict& verdict, c
   region->area_m2 = polygon.area_m2;
   region->outline_world = polygon.outline_world;
   region->holes_world = polygon.holes_world;
+  // Copied, not moved, so that regions hold no more room than they need.
   if (edges)
-    region->edges = std::move(*edges);
+    region->edges = *edges;
   else if (region_)
     region->edges = region_->edges;
   region->support = polygon.support;
