@@ -18,9 +18,9 @@ double OffsetSigma(const TerrainRegion& region) {
 
 }  // namespace
 
-RegionExplanation ExplainRegion(const RegionRecord& record, std::vector<NeighborRegion> neighbors) {
+RegionExplanation ExplainRegion(const RegionRecord& record, const RegionShape& shape,
+                                std::vector<NeighborRegion> neighbors) {
   const TerrainRegion& region = *record.region();
-  const RegionShape& shape = *record.shape();
   const LabelEvidence& evidence = record.evidence();
   RegionExplanation e;
   e.id = region.id;

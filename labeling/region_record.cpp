@@ -8,6 +8,7 @@
 #include <utility>
 
 namespace terrace {
+
 Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
   // Calling stairs a ramp is the worst mistake: a ramp is told late and taken back at once.
   Verdict undecided(TerrainLabel::kUnknown, 0.4, LabelRule::kSlopeJustSeen);
@@ -38,19 +39,21 @@ Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {
   return held;
 }
 
-void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, const InStaircase* stairs) {
+void RegionRecord::Tell(const PolygonPtr& polygon_ptr, const Verdict& verdict, const InStaircase* stairs) {
   // A confidence that moves by less is not worth a message.
   constexpr double kConfidenceStep = 0.05;
-  const Polygon& polygon = *shape->polygon;
-  const bool same_polygon = region_ && !OutOfDate(*shape);
-  shape_ = shape;
+  const Polygon& polygon = *polygon_ptr;
+  const bool same_polygon = region_ && !OutOfDate(polygon_ptr);
+  polygon_ = polygon_ptr;
   told_ = true;
   evidence_ = verdict.evidence;
   const char* const why = WhyUndecided(verdict.evidence.rule);
   const std::optional<std::int64_t> staircase_id = stairs ? std::optional(stairs->id) : std::nullopt;
   const std::optional<int> step_index = stairs ? std::optional(stairs->place.step_index) : std::nullopt;
+  std::optional<std::vector<RegionEdge>> edges = std::exchange(new_edges, std::nullopt);
+  const bool same_edges = region_ && (!edges || *edges == region_->edges);
   if (same_polygon && region_->label == verdict.label && region_->why == why &&
-      region_->staircase_id == staircase_id && region_->step_index == step_index && region_->edges == edges &&
+      region_->staircase_id == staircase_id && region_->step_index == step_index && same_edges &&
       std::abs(region_->confidence - verdict.confidence) < kConfidenceStep)
     return;
   auto region = std::make_shared<TerrainRegion>();
@@ -66,7 +69,11 @@ void RegionRecord::Tell(const RegionShapePtr& shape, const Verdict& verdict, con
   region->area_m2 = polygon.area_m2;
   region->outline_world = polygon.outline_world;
   region->holes_world = polygon.holes_world;
-  region->edges = edges;
+  // Copied, not moved, so that regions hold no more room than they need.
+  if (edges)
+    region->edges = *edges;
+  else if (region_)
+    region->edges = region_->edges;
   region->support = polygon.support;
   region->num_observations = polygon.num_observations;
   region->first_seen = polygon.first_seen;

@@ -349,7 +349,7 @@ void StaircaseTracker::Confirm(Track* track, const ShapeTable& table) {
   if (!track->told || !PracticallyEqual(s.published, now)) s.published = now;
   track->told = true;
   for (const StepPlace& place : s.places)
-    s.published.last_seen = std::max(s.published.last_seen, table.Find(place.region)->polygon->last_seen);
+    s.published.last_seen = std::max(s.published.last_seen, table.Find(place.region)->last_seen);
   looked_at_.push_back(&(confirmed_[s.id] = s));
 }
 

@@ -96,7 +96,8 @@ class TerrainLabeler::Impl {
     Explanations explanations;
     for (const auto& [id, record] : records_) {
       if (!record.told() || !wanted(id)) continue;
-      explanations.regions.push_back(ExplainRegion(record, NeighborsOf(id)));
+      explanations.regions.push_back(
+          ExplainRegion(record, *table_.ShapeOf(record.polygon()), NeighborsOf(id)));
     }
     for (const auto& region : map_->regions)
       if (region->predicted() && wanted(region->id))
@@ -148,14 +149,14 @@ class TerrainLabeler::Impl {
   void RefreshEdges(int i, RegionRecord& record) const {
     constexpr std::int64_t kPeriod = 8;
     const RegionShape& shape = *table_.shapes()[i];
-    const bool changed = record.OutOfDate(shape);
+    const bool changed = record.OutOfDate(shape.polygon);
     const Eigen::Vector3d reach(kEdgeReach, kEdgeReach, 3.0 * kEdgeReach);
     const bool turn = (num_frames_ + shape.id()) % kPeriod == 0;  // spreads the work over the frames
     if (!changed && !record.edges_stale) record.edges_stale = table_.Touched(shape, reach);
     const bool ground_ahead = shape.lean == Lean::kSupport && views_.nearest_view_m()[i] < kFarthestDrop;
     if (!changed && !(turn && (record.edges_stale || ground_ahead))) return;
-    record.edges = EdgesOf(i, table_.shapes(), views_.tops(), table_.R_level_world(), eye_);
-    if (record.region()) KeepKnownDrops(*record.region(), *shape.polygon, record.edges);
+    record.new_edges = EdgesOf(i, table_.shapes(), views_.tops(), table_.R_level_world(), eye_);
+    if (record.region()) KeepKnownDrops(*record.region(), *shape.polygon, *record.new_edges);
     record.edges_stale = false;
   }
 
@@ -199,7 +200,7 @@ class TerrainLabeler::Impl {
     for (const PolygonId id : stair_regions_.left()) {
       const auto left = records_.find(id);
       if (left == records_.end() || !left->second.told() || !left->second.region()->staircase_id) continue;
-      left->second.Tell(table_.all().at(id), {}, nullptr);
+      left->second.Tell(table_.Find(id), {}, nullptr);
       edits->regions[id] = left->second.region();
     }
   }
@@ -248,7 +249,7 @@ class TerrainLabeler::Impl {
       verdict = record.Steady(verdict, config_.frames_to_change_label);
     }
     verdict.confidence = std::min(verdict.confidence, cap);
-    record.Tell(shape, verdict, step);
+    record.Tell(shape->polygon, verdict, step);
   }
 
   bool StandsOutOfItsNoise(const RegionShape& shape) const {

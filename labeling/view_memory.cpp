@@ -82,7 +82,7 @@ void ViewMemory::Look(const ShapeTable& table, const Eigen::Isometry3d& T_level_
   }
   // Ids are never used again, so that there is no hurry.
   constexpr std::size_t kMaxGone = 64;
-  if (memories_.size() > table.all().size() + kMaxGone)
+  if (memories_.size() > table.size() + kMaxGone)
     std::erase_if(memories_, [&](const auto& entry) { return table.Find(entry.first) == nullptr; });
 }
 

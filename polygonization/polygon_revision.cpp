@@ -41,6 +41,7 @@ Eigen::Vector3d Lift(const Surface& surface, const Eigen::Vector2d& p) {
 
 Ring Lift(const Surface& surface, const Ring2& ring) {
   Ring lifted;
+  lifted.reserve(ring.size());  // polygons are kept
   for (const Eigen::Vector2d& p : ring) lifted.push_back(Lift(surface, p));
   return lifted;
 }
@@ -53,6 +54,7 @@ Polygon MakePolygon(PolygonId id, const Surface& surface, const TracedPiece& pie
   polygon.revision = 1;
   polygon.plane_world = surface.plane_world;
   polygon.outline_world = Lift(surface, piece.outline);
+  polygon.holes_world.reserve(piece.holes.size());
   for (const Ring2& hole : piece.holes) polygon.holes_world.push_back(Lift(surface, hole));
   // Traced in the axes, from which the plane may have turned a little since.
   polygon.area_m2 = piece.area_m2 / surface.plane_world.normal.dot(surface.anchor_normal);

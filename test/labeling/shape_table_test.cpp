@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "labeling/shape_table.h"
 
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "core/angles.h"
@@ -53,21 +55,64 @@ TEST(ShapeTableTest, ForgetsWhatIsRemovedAndLooksAtItsNeighbours) {
   table.Update(update, TestGravity(), {-50, 0, 0.5});
   EXPECT_EQ(table.removed(), std::vector<PolygonId>{21});
   EXPECT_EQ(table.Find(21), nullptr);
-  EXPECT_EQ(table.all().size(), 20u);
+  EXPECT_EQ(table.size(), 20u);
   EXPECT_EQ(table.IndexOf(21), -1);
   table.Update({}, TestGravity(), {-50, 0, 0.5});
   EXPECT_TRUE(table.removed().empty());
   EXPECT_TRUE(table.shapes().empty());
 }
 
-TEST(ShapeTableTest, MakesAllAnewWhenGravityTurns) {
-  ShapeTable table(kTableLimits, 0.003);
-  table.Update(RowOfSquares(), TestGravity(), {-50, 0, 0.5});
+Gravity TurnedGravity() {
   Gravity turned = TestGravity();
   turned.down_world = Eigen::Vector3d(std::sin(Radians(2.0)), 0, -std::cos(Radians(2.0)));
-  table.Update({}, turned, {-50, 0, 0.5});
-  EXPECT_EQ(table.shapes().size(), 21u);
-  for (const auto& [id, shape] : table.all()) EXPECT_NEAR(shape->slope_rad, Radians(2.0), 1e-9) << id;
+  return turned;
+}
+
+TEST(ShapeTableTest, LooksAnewAtOnceAtWhatIsNearWhenGravityTurns) {
+  ShapeTable table(kTableLimits, 0.003);
+  table.Update(RowOfSquares(), TestGravity(), {0, 0, 0.5});
+  table.Update({}, TurnedGravity(), {0, 0, 0.5});
+  for (const PolygonId id : {1, 2, 3, 4}) {
+    const int i = table.IndexOf(id);
+    ASSERT_GE(i, 0) << id;
+    EXPECT_NEAR(table.shapes()[static_cast<std::size_t>(i)]->slope_rad, Radians(2.0), 1e-9) << id;
+    EXPECT_TRUE(table.Touched(*table.shapes()[static_cast<std::size_t>(i)], Eigen::Vector3d::Zero())) << id;
+  }
+}
+
+TEST(ShapeTableTest, LooksAnewAtAllThatIsFarAwayInTheFramesAfterATurnOfGravity) {
+  LabelScene scene;
+  constexpr int kSquares = 400;
+  for (int i = 0; i < kSquares; ++i) scene.AddLevel(TerrainLabel::kWalkway, {5.0 * i, 0, 0}, 2, 2);
+  ShapeTable table(kTableLimits, 0.003);
+  table.Update(scene.Update(), TestGravity(), {-50, 0, 0.5});
+  table.Update({}, TestGravity(), {-50, 0, 0.5});
+  EXPECT_TRUE(table.shapes().empty());
+  std::set<PolygonId> looked_at;
+  int num_frames = 0;
+  for (; looked_at.size() < kSquares && num_frames < 100; ++num_frames) {
+    table.Update({}, TurnedGravity(), {-50, 0, 0.5});
+    EXPECT_LE(table.shapes().size(), 20u);  // a frame costs the same however large the map is
+    for (const RegionShapePtr& shape : table.shapes()) {
+      EXPECT_NEAR(shape->slope_rad, Radians(2.0), 1e-9) << shape->id();
+      EXPECT_TRUE(table.Touched(*shape, Eigen::Vector3d::Zero())) << shape->id();
+      looked_at.insert(shape->id());
+    }
+  }
+  EXPECT_EQ(looked_at.size(), static_cast<std::size_t>(kSquares));
+  EXPECT_GT(num_frames, 20);
+  table.Update({}, TurnedGravity(), {-50, 0, 0.5});
+  EXPECT_TRUE(table.shapes().empty()) << "each once";
+}
+
+TEST(ShapeTableTest, ShowsTheSameShapesWhenTheRobotComesBackFromFarAway) {
+  ShapeTable table(kTableLimits, 0.003);
+  table.Update(RowOfSquares(), TestGravity(), {0, 0, 0.5});
+  for (int i = 0; i < 20; ++i) table.Update({}, TestGravity(), {500, 0, 0.5});
+  EXPECT_TRUE(table.shapes().empty());
+  table.Update({}, TestGravity(), {0, 0, 0.5});
+  EXPECT_EQ(IdsLookedAt(table), (std::vector<PolygonId>{1, 2, 3, 4}));
+  for (const RegionShapePtr& shape : table.shapes()) EXPECT_NEAR(shape->area_m2, 4.0, 1e-9);
 }
 
 }  // namespace

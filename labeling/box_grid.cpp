@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "labeling/shape_grid.h"
+#include "labeling/box_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,19 +20,19 @@ void ForEachPlanCell(const Eigen::AlignedBox3d& box, const Visit& visit) {
 
 }  // namespace
 
-void ShapeGrid::Add(const RegionShape& shape) {
-  ForEachPlanCell(shape.bounds, [&](std::int64_t key) { cells_[key].push_back(shape.id()); });
+void BoxGrid::Add(PolygonId id, const Eigen::AlignedBox3d& box) {
+  ForEachPlanCell(box, [&](std::int64_t key) { cells_[key].push_back(id); });
 }
 
-void ShapeGrid::Remove(const RegionShape& shape) {
-  ForEachPlanCell(shape.bounds, [&](std::int64_t key) {
+void BoxGrid::Remove(PolygonId id, const Eigen::AlignedBox3d& box) {
+  ForEachPlanCell(box, [&](std::int64_t key) {
     const auto cell = cells_.find(key);
-    std::erase(cell->second, shape.id());
+    std::erase(cell->second, id);
     if (cell->second.empty()) cells_.erase(cell);
   });
 }
 
-void ShapeGrid::Collect(const Eigen::AlignedBox3d& box, std::vector<PolygonId>* ids) const {
+void BoxGrid::Collect(const Eigen::AlignedBox3d& box, std::vector<PolygonId>* ids) const {
   ForEachPlanCell(box, [&](std::int64_t key) {
     const auto cell = cells_.find(key);
     if (cell != cells_.end()) ids->insert(ids->end(), cell->second.begin(), cell->second.end());
