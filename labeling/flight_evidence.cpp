@@ -245,7 +245,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   found.rise_sigma_m = evidence.z->slope_sigma;
   found.run_sigma_m = RunSigma(evidence.along->slope_sigma, found.model);
   // Told with a wrong run, feet would be set wrongly: better told later.
-  constexpr double kKnownWithin = 0.2;
+  constexpr double kKnownWithin = 0.25;
   if (!known && found.run_sigma_m > kKnownWithin * stride.run) return std::nullopt;
   const int num_agreeing = sharp ? num_agreements : 0;
   const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreeing - 1.0));
