@@ -480,6 +480,25 @@ TEST(StaircaseFinderTest, TakesStepsThatGoOnToASideForTheSameFlight) {
   EXPECT_EQ(FindFromBelow(scene).size(), 1u);
 }
 
+TEST(StaircaseFinderTest, FindsNoSecondFlightWithinTheWidthOfAKnownOne) {
+  // Its middle is hidden, and on the far side so are the fronts.
+  LabelScene scene = OpenFlight(5, 0.28, 5.0);
+  for (int k = 1; k <= 5; ++k)
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + 0.28 * (k - 1) + 0.21, 1.2, 0.155 * k}, 0.2, 0.55);
+  const std::vector<RegionShapePtr> shapes = ShapesOf(scene.Update().changed);
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  EXPECT_EQ(finder.Find(shapes, {}, sight, true).size(), 2u);
+  FlightModel known;
+  known.origin = {3.0, 0.0};
+  known.rise_m = 0.155;
+  known.run_m = 0.28;
+  known.lateral = {-0.475, 1.475};
+  EXPECT_EQ(finder.Find(shapes, {known}, sight, true).size(), 1u);
+  EXPECT_EQ(finder.Find(shapes, {known}, sight, false).size(), 1u);
+}
+
 TEST(StaircaseFinderTest, TakesStripsForStepsOnlyWhereTheyAreHigherThanNoiseHides) {
   const auto candidates = [](double rms_m, double noise_m) {
     std::vector<RegionShapePtr> shapes = InclineInStrips(rms_m);
