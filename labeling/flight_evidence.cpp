@@ -186,6 +186,22 @@ bool SeenSharply(const std::vector<StepMember>& members, const std::vector<Regio
   return 2 * num_sharp > static_cast<std::ptrdiff_t>(members.size());
 }
 
+/// One step is enough between the edge of a landing and the floor below, else it takes two.
+bool TellsALaw(const Evidence& evidence, const FlightEnds& ends) {
+  const int least = evidence.landing_edge && ends.foot_shape ? 1 : 2;
+  return !evidence.members.empty() && static_cast<int>(evidence.seen.size()) >= least &&
+         evidence.num_levels >= least && evidence.z && evidence.along;
+}
+
+FlightModel ModelOf(const Flight& flight, const FlightEnds& ends) {
+  const Stride& stride = flight.stride;
+  FlightModel model = flight.frame->ModelAt(stride.EdgeAt(ends.first_step), stride.lateral);
+  model.rise_m = stride.rise;
+  model.run_m = stride.run;
+  model.foot_z = stride.z0 + (ends.first_step - 1) * stride.rise;
+  return model;
+}
+
 }  // namespace
 
 std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
@@ -195,18 +211,10 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   if (ends.num_risers() < 2 || ends.num_treads() < 1) return std::nullopt;
   Evidence evidence = Gather(flight, ends);
   const int num_steps = static_cast<int>(evidence.seen.size());
-  if (stride.lateral.length() < config.min_width_m) return std::nullopt;
-  // One step is enough between the edge of a landing and the floor below.
-  const int least = evidence.landing_edge && ends.foot_shape ? 1 : 2;
-  if (evidence.members.empty() || std::min(num_steps, evidence.num_levels) < least || !evidence.z ||
-      !evidence.along)
-    return std::nullopt;
+  if (stride.lateral.length() < config.min_width_m || !TellsALaw(evidence, ends)) return std::nullopt;
 
   FoundStaircase found;
-  found.model = flight.frame->ModelAt(stride.EdgeAt(ends.first_step), stride.lateral);
-  found.model.rise_m = stride.rise;
-  found.model.run_m = stride.run;
-  found.model.foot_z = stride.z0 + (ends.first_step - 1) * stride.rise;
+  found.model = ModelOf(flight, ends);
   // From afar all steps are missed that are not seen: what hides and what blurs cannot be told apart.
   const bool sharp = SeenSharply(evidence.members, shapes, stride.rise);
   const std::size_t num_to_see = sharp ? StepsToBeSeen(found.model, ends, sight, evidence, shapes).size()
@@ -245,7 +253,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   found.rise_sigma_m = evidence.z->slope_sigma;
   found.run_sigma_m = RunSigma(evidence.along->slope_sigma, found.model);
   // Told with a wrong run, feet would be set wrongly: better told later.
-  constexpr double kKnownWithin = 0.2;
+  constexpr double kKnownWithin = 0.25;
   if (!known && found.run_sigma_m > kKnownWithin * stride.run) return std::nullopt;
   const int num_agreeing = sharp ? num_agreements : 0;
   const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreeing - 1.0));

@@ -218,11 +218,11 @@ TEST(StaircaseFinderTest, TellsAnOpenFlightByTwoTreadsWithTheFloorSeenBeneathThe
 }
 
 TEST(StaircaseFinderTest, TellsNoFlightWhoseRunIsNotKnown) {
-  // Noise of 8 mm, seen from 0.35 m above a tread and 1.5 m away, moves its front by 35 mm.
+  // Noise of 11 mm, seen from 0.35 m above a tread and 1.5 m away, moves its front by 47 mm.
   PolygonUpdate update = OpenFlight(2, 0.28, 5.0).Update();
   for (PolygonPtr& polygon : update.changed) {
     auto noisy = std::make_shared<Polygon>(*polygon);
-    noisy->noise_m = 0.008;
+    noisy->noise_m = 0.011;
     polygon = noisy;
   }
   Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
@@ -478,6 +478,25 @@ TEST(StaircaseFinderTest, TakesStepsThatGoOnToASideForTheSameFlight) {
   for (int k = 1; k <= 5; ++k)
     scene.AddLevel(TerrainLabel::kStairTread, {3.0 + 0.28 * (k - 1) + 0.21, 0.78, 0.155 * k}, 0.2, 0.55);
   EXPECT_EQ(FindFromBelow(scene).size(), 1u);
+}
+
+TEST(StaircaseFinderTest, FindsNoSecondFlightWithinTheWidthOfAKnownOne) {
+  // Its middle is hidden, and on the far side so are the fronts.
+  LabelScene scene = OpenFlight(5, 0.28, 5.0);
+  for (int k = 1; k <= 5; ++k)
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + 0.28 * (k - 1) + 0.21, 1.2, 0.155 * k}, 0.2, 0.55);
+  const std::vector<RegionShapePtr> shapes = ShapesOf(scene.Update().changed);
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  EXPECT_EQ(finder.Find(shapes, {}, sight, true).size(), 2u);
+  FlightModel known;
+  known.origin = {3.0, 0.0};
+  known.rise_m = 0.155;
+  known.run_m = 0.28;
+  known.lateral = {-0.475, 1.475};
+  EXPECT_EQ(finder.Find(shapes, {known}, sight, true).size(), 1u);
+  EXPECT_EQ(finder.Find(shapes, {known}, sight, false).size(), 1u);
 }
 
 TEST(StaircaseFinderTest, TakesStripsForStepsOnlyWhereTheyAreHigherThanNoiseHides) {
