@@ -52,7 +52,7 @@ TEST(DisparityConfigTest, AutoSearchesAsFarAsTheNearestDistanceNeeds) {
   camera.fx = 700;
   EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 224);  // 210 px
   camera.fx = 2000;
-  EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 256);  // 600 px, and no more is searched
+  EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 512);  // 600 px, and no more is searched
   config.max_disparity_px = 64;
   EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 64);
   config.max_disparity_px = std::nullopt;
@@ -248,6 +248,25 @@ TEST_P(DisparityMatcherTest, KnowsNothingWhereThereIsNothingToSee) {
   frame.right = frame.left.clone();
   const DisparityImage result = DisparityMatcher(Tier(GetParam(), 32)).Match(frame);
   for (const float d : result.disparity_px) EXPECT_TRUE(std::isnan(d));
+}
+
+TEST_P(DisparityMatcherTest, FindsAPlaneSoNearThatItsDisparitiesAreBeyond256) {
+  const SlantedPlane plane{300.3, 0.02, 0.3};
+  const DisparityImage result =
+      DisparityMatcher(Tier(GetParam(), 400)).Match(RenderPlane(801, 241, plane));  // to 388 px; odd sizes
+  EXPECT_EQ(result.range_px, 400.0f);
+  int num_known = 0, num_right = 0, num_beyond = 0;
+  for (int v = 8; v < 233; ++v)
+    for (int u = 400; u < 790; ++u) {
+      const float d = result.disparity_px(v, u), sigma = result.sigma_px(v, u);
+      EXPECT_EQ(std::isnan(d), std::isnan(sigma));
+      num_known += !std::isnan(d);
+      num_right += std::abs(d - plane.At(u, v)) < std::max(3.0f * sigma, 0.5f);
+      num_beyond += d > 400.0f;
+    }
+  EXPECT_GT(num_known, 0.97 * 225 * 390);
+  EXPECT_GT(num_right, 0.97 * num_known);
+  EXPECT_EQ(num_beyond, 0);
 }
 
 TEST_P(DisparityMatcherTest, RefusesImagesOfUnequalSize) {
