@@ -99,7 +99,7 @@ std::vector<std::string> DisparityConfig::Problems() const {
   const auto need = [&](bool fine, const std::string& sentence) {
     if (!fine) problems.push_back(sentence);
   };
-  const int range = max_disparity_px.value_or(kMostDisparity_px);
+  const int range = max_disparity_px.value_or(kMostAtFullSize_px);
   need(range >= 16 && range <= kMostDisparity_px && range % kRangeStep == 0,
        "max_disparity_px is " + std::to_string(range) + ", must be auto or a multiple of 16 from 16 to 512");
   need(nearest_m > 0.0, "nearest_m must be positive");
@@ -124,7 +124,7 @@ DisparityConfig DisparityConfig::ForCamera(const StereoCamera& camera) const {
   DisparityConfig resolved = *this;
   if (max_disparity_px) return resolved;
   const double needed_px = std::ceil(camera.fx * camera.baseline_m / nearest_m / kRangeStep) * kRangeStep;
-  resolved.max_disparity_px = static_cast<int>(std::clamp<double>(needed_px, kRangeStep, kMostDisparity_px));
+  resolved.max_disparity_px = static_cast<int>(std::clamp<double>(needed_px, kRangeStep, kMostAtFullSize_px));
   return resolved;
 }
 

@@ -52,7 +52,7 @@ TEST(DisparityConfigTest, AutoSearchesAsFarAsTheNearestDistanceNeeds) {
   camera.fx = 700;
   EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 224);  // 210 px
   camera.fx = 2000;
-  EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 512);  // 600 px, and no more is searched
+  EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 256);  // 600 px, and no more is searched
   config.max_disparity_px = 64;
   EXPECT_EQ(config.ForCamera(camera).max_disparity_px, 64);
   config.max_disparity_px = std::nullopt;
