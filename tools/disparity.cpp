@@ -99,12 +99,13 @@ void WritePfm(const fs::path& path, const cv::Mat1f& disparity) {
   if (!file) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
-/// 256 x pixels, 0 = unknown; what is known is at least 1.
+/// 256 x pixels, 0 = unknown, as is what is too large for that; what is known is at least 1.
 void WriteDisparityPng(const fs::path& path, const cv::Mat1f& disparity) {
   Gray16Image image{disparity.cols, disparity.rows, {}};
-  for (const float d : disparity)
-    image.data.push_back(
-        std::isnan(d) ? 0 : static_cast<std::uint16_t>(std::clamp(std::lround(256.0f * d), 1L, 65535L)));
+  for (const float d : disparity) {
+    const long sample = std::isnan(d) ? 0 : std::max(std::lround(256.0f * d), 1L);
+    image.data.push_back(static_cast<std::uint16_t>(sample <= 65535 ? sample : 0));
+  }
   WritePng(path, image);
 }
 
@@ -230,7 +231,7 @@ void AddDisparityCommand(CLI::App& app) {
       ->add_option("OUT", options->out,
                    ".pfm (pixels, infinity = unknown) or .png (256 x pixels, 0 = unknown)")
       ->required();
-  command->add_option("--max-disparity", options->max_disparity_px, "search range in pixels, up to 256")
+  command->add_option("--max-disparity", options->max_disparity_px, "search range in pixels, up to 512")
       ->check(CLI::Range(1, 256));
   command->add_option("--tier", options->tier, "fast or quality")->check(CLI::IsMember({"fast", "quality"}));
   command->add_option("--threads", options->threads, "most threads to use")->check(CLI::Range(1, 1024));

@@ -250,6 +250,25 @@ TEST_P(DisparityMatcherTest, KnowsNothingWhereThereIsNothingToSee) {
   for (const float d : result.disparity_px) EXPECT_TRUE(std::isnan(d));
 }
 
+TEST_P(DisparityMatcherTest, FindsAPlaneSoNearThatItsDisparitiesAreBeyond256) {
+  const SlantedPlane plane{300.3, 0.02, 0.3};
+  const DisparityImage result =
+      DisparityMatcher(Tier(GetParam(), 400)).Match(RenderPlane(801, 241, plane));  // to 388 px; odd sizes
+  EXPECT_EQ(result.range_px, 400.0f);
+  int num_known = 0, num_right = 0, num_beyond = 0;
+  for (int v = 8; v < 233; ++v)
+    for (int u = 400; u < 790; ++u) {
+      const float d = result.disparity_px(v, u), sigma = result.sigma_px(v, u);
+      EXPECT_EQ(std::isnan(d), std::isnan(sigma));
+      num_known += !std::isnan(d);
+      num_right += std::abs(d - plane.At(u, v)) < std::max(3.0f * sigma, 0.5f);
+      num_beyond += d > 400.0f;
+    }
+  EXPECT_GT(num_known, 0.97 * 225 * 390);
+  EXPECT_GT(num_right, 0.97 * num_known);
+  EXPECT_EQ(num_beyond, 0);
+}
+
 TEST_P(DisparityMatcherTest, RefusesImagesOfUnequalSize) {
   DisparityMatcher matcher(Tier(GetParam(), 32));
   StereoFrame frame;
