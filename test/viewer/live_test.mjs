@@ -63,6 +63,7 @@ test('shows the map that the daemon saves, the way and the state in words', asyn
   assert.ok(await page.evaluate(() => window.terrace.model.path.length) > 1);
   assert.match(await page.textContent('#state'), /The daemon is .*frames/s);
   assert.match(await page.textContent('#state'), /disparity \d/);
+  assert.match(await page.textContent('#state'), /calibrationrectified \d+×\d+, f \d+\.\d px/);
   // What the daemon sends on request only.
   await until(page, () => window.terrace.model.cells !== null && window.terrace.model.points !== null && window.terrace.model.disparity !== null);
   await until(page, () => window.terrace.view.inset.texture !== null);
