@@ -17,13 +17,13 @@
 namespace terrace {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 20;  // of a record
+constexpr std::size_t kBeforeContent = 20;  // of a record
 constexpr double kLeafSize_m = 0.02;
 
 template <typename Value>
 std::vector<Value> ValuesOf(const ViewBytes& record, std::size_t from) {
-  std::vector<Value> values((record->size() - kHeaderBytes - from) / sizeof(Value));
-  std::memcpy(values.data(), record->data() + kHeaderBytes + from, values.size() * sizeof(Value));
+  std::vector<Value> values((record->size() - kBeforeContent - from) / sizeof(Value));
+  std::memcpy(values.data(), record->data() + kBeforeContent + from, values.size() * sizeof(Value));
   return values;
 }
 
@@ -59,7 +59,7 @@ TEST(ViewSurroundingsTest, SendsTheCellsThatNoRegionPassesThrough) {
   const auto cells = ValuesOf<std::uint16_t>(record, 16);
   EXPECT_EQ(cells, (std::vector<std::uint16_t>{0, 0, 0, 1, 6, 7, 40, 4}));
   float head[4];
-  std::memcpy(head, record->data() + kHeaderBytes, sizeof(head));
+  std::memcpy(head, record->data() + kBeforeContent, sizeof(head));
   EXPECT_FLOAT_EQ(head[0], 0.02F);
   EXPECT_FLOAT_EQ(head[1], 0.04F);
   EXPECT_FLOAT_EQ(head[2], -0.06F);
@@ -100,7 +100,7 @@ TEST(ViewSurroundingsTest, SendsThePointsOfADisparityImageThatAreNoPlaneOfTheMap
   const auto offsets = ValuesOf<std::int16_t>(record, 16);
   ASSERT_EQ(offsets.size(), 3u * 8u * 11u);  // half of each row of 16, without the first row of 12
   float head[4];
-  std::memcpy(head, record->data() + kHeaderBytes, sizeof(head));
+  std::memcpy(head, record->data() + kBeforeContent, sizeof(head));
   for (std::size_t i = 0; i < offsets.size(); i += 3) {
     EXPECT_NEAR(head[2] + head[3] * offsets[i + 2], 0.5, 0.002);
     EXPECT_GT(head[0] + head[3] * offsets[i], 0.3);
@@ -124,7 +124,7 @@ TEST(ViewSurroundingsTest, ShowsDisparityInColoursAndWhatIsNotKnownInBlack) {
   const ViewBytes record = DisparityRecord(LookingDown(), {});
   ASSERT_TRUE(record);
   float range[2];
-  std::memcpy(range, record->data() + kHeaderBytes, sizeof(range));
+  std::memcpy(range, record->data() + kBeforeContent, sizeof(range));
   EXPECT_FLOAT_EQ(range[0], 6.0F);
   EXPECT_FLOAT_EQ(range[1], 12.0F);
   const auto jpeg = ValuesOf<std::uint8_t>(record, 8);

@@ -181,6 +181,42 @@ test('draws a plan of footsteps with a sole for each step, and takes it away whe
   assert.equal((await plan(0)).texts, 0);
 }));
 
+test('lays the image on what the camera saw, and not on what something nearer hid', () => withPage('#view=top&switched=grid,staircases,texture,edges,outlines', async (page) => {
+  // A camera 2 m over the box top of half a metre (region 2) looks straight down; its image is white.
+  const colours = await page.evaluate(async () => {
+    const { model, view } = window.terrace;
+    const canvas = Object.assign(document.createElement('canvas'), { width: 64, height: 48 });
+    const context = canvas.getContext('2d');
+    context.fillStyle = 'white';
+    context.fillRect(0, 0, 64, 48);
+    const blob = await new Promise((resolve) => { canvas.toBlob(resolve, 'image/jpeg'); });
+    model.camera = { width: 64, height: 48, fx: 30, fy: 30, cx: 31.5, cy: 23.5 };
+    model.picture = { utime: 1, jpeg: new Uint8Array(await blob.arrayBuffer()) };
+    view.update();
+    for (let i = 0; i < 100 && !view.inset.texture; ++i) await new Promise((resolve) => { setTimeout(resolve, 50); });
+    const v = view.cameras.controls.target.clone();
+    view.inset.picturePose = { position: v.clone().set(-0.75, -0.75, 1), rotation: view.cameras.active.quaternion.clone().set(1, 0, 0, 0) };
+    const at = (place) => {
+      view.drawWhole();
+      const scene = document.getElementById('scene');
+      const copy = Object.assign(document.createElement('canvas'), { width: scene.width, height: scene.height });
+      copy.getContext('2d').drawImage(scene, 0, 0);
+      const { x, y } = view.project(v.clone().set(...place));
+      return [...copy.getContext('2d').getImageData(Math.round(x), Math.round(y), 1, 1).data].slice(0, 3);
+    };
+    // The box top; the floor well beside it; the floor under it, once the top is not drawn from above.
+    const [top, beside] = [at([-0.75, -0.75, 0.5]), at([0.2, -0.75, 0])];
+    view.cameras.active.position.z = 0.3;  // between the floor and the top
+    view.cameras.active.near = 0.001;
+    view.cameras.active.updateProjectionMatrix();
+    return { top, beside, under: at([-0.75, -0.75, 0]) };
+  });
+  const isWhitish = ([r, g, b]) => Math.min(r, g, b) > 150;
+  assert.ok(isWhitish(colours.top), `the top is in the image: ${colours.top}`);
+  assert.ok(isWhitish(colours.beside), `the floor beside it is in the image: ${colours.beside}`);
+  assert.ok(!isWhitish(colours.under), `the floor under the top is not: ${colours.under}`);
+}));
+
 test('asks for what is shown and for nothing else', () => withPage('', async (page) => {
   const wants = (layers) => page.evaluate((switched) => {
     const asked = [];

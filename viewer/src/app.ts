@@ -21,6 +21,10 @@ const PANEL_EVERY_MS = 250;
 const AGE_EVERY_MS = 1000;
 const CLICK_PX = 5;
 
+function numberOf(count: number, what: string): string {
+  return `${count} ${what}${count === 1 ? '' : 's'}`;
+}
+
 export class App implements Actions {
   readonly model = new Model();
   readonly view: View3d;
@@ -124,7 +128,7 @@ export class App implements Actions {
     const beside = [['voxels', view.voxels, 'cells'], ['points', view.points, 'points']] as const;
     const clouds = beside.filter(([layer, cloud]) => view.shown.get(layer) && cloud.numThere > 0)
       .map(([, cloud, name]) => `, ${cloud.numDrawn} of ${cloud.numThere} ${name}`).join('');
-    const counts = `${model.regions.size} regions, ${model.staircases.size} staircases${clouds}`;
+    const counts = `${numberOf(model.regions.size, 'region')}, ${numberOf(model.staircases.size, 'staircase')}${clouds}`;
     this.panel.update(model, { live: this.live !== null, connected: this.live?.connected ?? false, latencies: this.latencies() }, counts);
     const hasPicture = view.inset.texture !== null;
     byId('inset').hidden = !hasPicture || !(view.shown.get('image') || view.shown.get('disparity'));

@@ -80,6 +80,8 @@ export class CameraPath {
 
   private drawCamera(pose: Pose | null, view: CameraInfo): void {
     this.camera.geometry.dispose();
+    // Otherwise three.js keeps the old buffer, and cuts off what is longer.
+    this.camera.geometry.deleteAttribute('position');
     if (!pose) {
       this.camera.geometry.setFromPoints([]);
       return;

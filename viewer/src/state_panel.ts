@@ -37,6 +37,7 @@ export class StatePanel {
     if (model.numBad > 0) words.push(h('p', { class: 'bad' }, `${model.numBad} messages could not be read: ${model.lastProblem}.`));
     for (const reply of model.replies.slice(-1)) words.push(h('p', { class: reply.result === 0 ? 'good' : 'bad' }, `Answer: ${reply.message}`));
     const rows: [string, string][] = status ? figuresOf(status) : [];
+    if (model.camera) rows.push(['calibration', `rectified ${model.camera.width}×${model.camera.height}, f ${model.camera.fx.toFixed(1)} px`]);
     rows.push(['drawn', counts]);
     const { busMs, imageToPoseMs, imageToMapMs } = connection.latencies;
     if (busMs !== null) rows.push(['bus to screen', `${busMs.toFixed(0)} ms`]);

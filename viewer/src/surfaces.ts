@@ -8,6 +8,7 @@ import {
 import { colourFor, Mode, Scale } from './colouring';
 import { Colour, colourOf, DROP, EDGE_COLOURS, RISE } from './palette';
 import { Region } from './region';
+import { SOLID_LAYER } from './seen_depth';
 
 /// What is drawn over the camera's image, too.
 export const OVERLAY_LAYER = 1;
@@ -41,6 +42,14 @@ varying vec2 vPlace;
 #ifdef TEXTURED
 varying vec4 vImage;
 uniform sampler2D image;
+uniform sampler2D seenDepth;
+uniform vec2 nearFarM;
+/// Whether nothing nearer hid this place from the camera of the image, give or take the noise of surfaces.
+bool wasSeen(vec2 at, float depthM) {
+  float inBuffer = texture2D(seenDepth, at).r;
+  float nearestM = nearFarM.x * nearFarM.y / (nearFarM.y - inBuffer * (nearFarM.y - nearFarM.x));
+  return depthM < 1.01 * nearestM + 0.02;
+}
 #endif
 uniform float showPredicted;
 uniform float opacity;
@@ -49,10 +58,21 @@ void main() {
   vec3 colour = gl_FrontFacing ? vTint.rgb : 0.55 * vTint.rgb;
 #ifdef TEXTURED
   vec2 at = vImage.xy / vImage.z;
-  if (vImage.z > 0.0 && at.x > 0.0 && at.x < 1.0 && at.y > 0.0 && at.y < 1.0) colour = mix(texture2D(image, at).rgb, colour, 0.25);
+  if (vImage.z > 0.0 && at.x > 0.0 && at.x < 1.0 && at.y > 0.0 && at.y < 1.0 && wasSeen(at, vImage.z)) {
+    colour = mix(texture2D(image, at).rgb, colour, 0.25);
+  }
 #endif
   gl_FragColor = vec4(colour, opacity);
 }`;
+
+/// A picture, and what of the world is in it.
+export interface ProjectedImage {
+  image: Texture;
+  imageFromWorld: Matrix4;  // to coordinates of the picture, times depth
+  seenDepth: Texture;       // depth buffer of a projection with the two planes
+  nearM: number;
+  farM: number;
+}
 
 interface Chunk {
   ids: Set<number>;
@@ -95,7 +115,7 @@ export class Surfaces {
   private readonly chunks = new Map<number, Chunk>();
   private readonly layers = { fill: true, bands: true, lines: true };
   private readonly uniforms = {
-    image: { value: new Texture() }, imageFromWorld: { value: new Matrix4() }, showPredicted: { value: 1 }, opacity: { value: 1 },
+    image: { value: new Texture() }, seenDepth: { value: new Texture() }, nearFarM: { value: new Vector2() }, imageFromWorld: { value: new Matrix4() }, showPredicted: { value: 1 }, opacity: { value: 1 },
   };
   private readonly fillMaterial = new ShaderMaterial({
     vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: this.uniforms, side: DoubleSide,
@@ -148,15 +168,18 @@ export class Surfaces {
     this.uniforms.showPredicted.value = on ? 1 : 0;
   }
 
-  /// The camera image on the regions; none without a picture.
-  setTexture(image: Texture | null, imageFromWorld: Matrix4 | null): void {
-    const textured = image !== null && imageFromWorld !== null;
+  /// The camera image on the regions that it shows; null: none.
+  setTexture(projected: ProjectedImage | null): void {
+    const textured = projected !== null;
     if (textured !== 'TEXTURED' in this.fillMaterial.defines) {
       this.fillMaterial.defines = textured ? { TEXTURED: '' } : {};
       this.fillMaterial.needsUpdate = true;
     }
-    if (image) this.uniforms.image.value = image;
-    if (imageFromWorld) this.uniforms.imageFromWorld.value = imageFromWorld;
+    if (!projected) return;
+    this.uniforms.image.value = projected.image;
+    this.uniforms.imageFromWorld.value = projected.imageFromWorld;
+    this.uniforms.seenDepth.value = projected.seenDepth;
+    this.uniforms.nearFarM.value.set(projected.nearM, projected.farM);
   }
 
   setOpacity(opacity: number): void {
@@ -179,6 +202,7 @@ export class Surfaces {
     };
     for (const layer of ['fill', 'bands', 'lines'] as const) chunk[layer].visible = this.layers[layer];
     for (const object of [chunk.fill, chunk.bands, chunk.lines]) object.layers.enable(OVERLAY_LAYER);
+    if (!this.outline) chunk.fill.layers.enable(SOLID_LAYER);  // truth hides nothing
     this.group.add(chunk.fill, chunk.bands, chunk.lines);
     this.chunks.set(key, chunk);
     return chunk;

@@ -7,7 +7,7 @@ import { Cameras } from './cameras';
 import { Mode } from './colouring';
 import { Detail } from './detail';
 import { Footsteps } from './footsteps';
-import { imageFromWorld, Inset } from './inset';
+import { Inset } from './inset';
 import { disposeSprite, fitSprite, textSprite } from './labels';
 import { Model } from './model';
 import { CameraPath } from './path';
@@ -280,9 +280,8 @@ export class View3d {
   }
 
   private updateTexture(): void {
-    const { texture, picturePose } = this.inset;
-    const wanted = this.shown.get('texture') && texture && picturePose && this.model.camera;
-    this.surfaces.setTexture(wanted ? texture : null, wanted ? imageFromWorld(this.model.camera!, picturePose!) : null);
+    const wanted = this.shown.get('texture')!;
+    this.surfaces.setTexture(wanted ? this.inset.projected(this.renderer, this.scene, this.model.camera) : null);
   }
 
   /// Heights and ages run over what is there; true when the scale has changed.
