@@ -122,13 +122,11 @@ std::string PairHealth::Reason() const {
     return "the right image is blank: its lens is covered, or its exposure or its cable is wrong";
   if (half_blank) {
     const bool right = right_blank_share > left_blank_share;
-    return Sentence(
-        right
-            ? "%.0f %% more of the right image than of the left one is blank: something covers it, or it is "
-              "transferred in part"
-            : "%.0f %% more of the left image than of the right one is blank: something covers it, or it is "
-              "transferred in part",
-        100.0 * std::abs(right_blank_share - left_blank_share));
+    return Sentence(right ? "%.0f %% more of the right image than of the left one is blank: something covers "
+                            "it, it is far too bright, or it is transferred in part"
+                          : "%.0f %% more of the left image than of the right one is blank: something covers "
+                            "it, it is far too bright, or it is transferred in part",
+                    100.0 * std::abs(right_blank_share - left_blank_share));
   }
   if (left_stands) return "the left camera gives the same image again and again: it is frozen";
   if (right_stands) return "the right camera gives the same image again and again: it is frozen";
