@@ -27,10 +27,11 @@ constexpr std::array<double, 3> kHigherThanSteps_m{0.35, 0.42, 0.5};
 struct Strip {
   double half_width_m;
   std::array<double, 3> beside_m;
-  bool other_on_both_sides;  // only where the other surface is seen on both sides of this one
+  bool other_is_high;  // the other surface is higher than a step there; else it is seen on both sides of this
+                       // one
 };
-constexpr Strip kFaceStrip{0.045, {0.05, 0.065, 0.08}, true};
-constexpr Strip kGroundStrip{0.1, {0.1, 0.13, 0.16}, false};
+constexpr Strip kFaceStrip{0.045, {0.05, 0.065, 0.08}, false};
+constexpr Strip kGroundStrip{0.1, {0.1, 0.13, 0.16}, true};
 /// Where the face of a step is no longer seen, its line is followed for so long, if the ground beyond it is
 /// of another level: a kerb far away.
 constexpr double kOnward_m = 1.5;
@@ -202,15 +203,14 @@ class Joint {
     bool above = false, below = false;  // the other surface, seen from this one
     bool seen_through = false;
     for (const double apart : kApart_m) {
-      const double d = apart / line_.sine;
-      const int known = other_evidence_.At(on_other + d * up_other_);
-      above = above || known >= EvidenceGrid::kOn;
-      seen_through = seen_through || known <= EvidenceGrid::kThrough;
-      below = below || other_evidence_.At(on_other - d * up_other_) >= EvidenceGrid::kOn;
+      above = above || OtherIsOn(on_other, apart);
+      below = below || OtherIsOn(on_other, -apart);
+      seen_through = seen_through ||
+                     other_evidence_.At(on_other + apart / line_.sine * up_other_) <= EvidenceGrid::kThrough;
     }
     if (!above && !below && !seen_through) above = IsWall(on_other);
     if (!above && !below) return Keep::kUnsaid;
-    if (strip_ != nullptr && ((above && below) || !strip_->other_on_both_sides) && IsStrip(at)) {
+    if (strip_ != nullptr && (strip_->other_is_high ? IsHigh(on_other) : above && below) && IsStrip(at)) {
       for (double d = -strip_->half_width_m; d <= strip_->half_width_m; d += kStride_px * bitmap_.pixel_m)
         Bar(bitmap_.PixelAt(at + d * line_.to_front));
       return Keep::kUnsaid;
@@ -254,13 +254,18 @@ class Joint {
     });
   }
 
-  /// Whether the other surface is seen again higher up, and is higher than a step.
+  bool OtherIsOn(const Eigen::Vector2d& on_other, double up_m) {
+    return other_evidence_.At(on_other + up_m / line_.sine * up_other_) >= EvidenceGrid::kOn;
+  }
+  /// Whether the other surface is higher than a step.
+  bool IsHigh(const Eigen::Vector2d& on_other) {
+    return std::any_of(kHigherThanSteps_m.begin(), kHigherThanSteps_m.end(),
+                       [&](double up_m) { return OtherIsOn(on_other, up_m); });
+  }
+  /// Whether it is, and is seen again not far from this one.
   bool IsWall(const Eigen::Vector2d& on_other) {
-    const auto is_on = [&](double up_m) {
-      return other_evidence_.At(on_other + up_m / line_.sine * up_other_) >= EvidenceGrid::kOn;
-    };
-    return std::any_of(kFarApart_m.begin(), kFarApart_m.end(), is_on) &&
-           std::any_of(kHigherThanSteps_m.begin(), kHigherThanSteps_m.end(), is_on);
+    return IsHigh(on_other) && std::any_of(kFarApart_m.begin(), kFarApart_m.end(),
+                                           [&](double up_m) { return OtherIsOn(on_other, up_m); });
   }
 
   /// Beyond the end of a face that was seen pixels may agree with the ground of both its levels. As far as
