@@ -184,6 +184,7 @@ class DisparityMatcher::Impl {
     result.no_match_share = found.no_match_share;
     result.limit_share = found.limit_share;
     result.range_px = found.range_px;
+    result.misalignment_px = found.misalignment_px;
     return result;
   }
 
@@ -204,8 +205,8 @@ class DisparityMatcher::Impl {
     result.range_px = static_cast<float>(range_px_);
     units_.Set(result.disparity_px);
     edges_.Sharpen(frame.left, right_, units_, {&steep_, 2});
-    refiner_.Refine(frame.left, right_, units_, result.disparity_px, &result.sigma_px, {&steep_, 2},
-                    MisalignmentOf(result.row_offsets, size));
+    refiner_.Refine(frame.left, right_, units_, result.disparity_px, &result.sigma_px, {&steep_, 2});
+    result.misalignment_px = MisalignmentOf(result.row_offsets, size);
     ForgetFlatFringes(frame.left, half_left_, result.disparity_px, result.sigma_px);
     ForgetBeyondRange(result);
     return result;
@@ -228,6 +229,7 @@ class DisparityMatcher::Impl {
     result.no_match_share = found.no_match_share;
     result.limit_share = found.limit_share;
     result.range_px = static_cast<float>(range_px_);
+    result.misalignment_px = 2.0f * found.misalignment_px;
     ForgetBeyondRange(result);
     return result;
   }

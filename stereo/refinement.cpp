@@ -112,7 +112,7 @@ void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& d
 }
 
 void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& given, cv::Mat1f& disparity,
-                     cv::Mat1f* sigma, const Steepness& steepness, float misalignment_px) {
+                     cv::Mat1f* sigma, const Steepness& steepness) {
   const int height = left.rows;
   const int num_strips = (height + kRowsPerStrip - 1) / kRowsPerStrip;
   Scratch& scratch = *scratch_;
@@ -125,7 +125,7 @@ void Refiner::Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& g
   const float gain = MeasureGain(left, right, given);
   const RefineLimits limits = {static_cast<std::int16_t>(std::lround(settings_.max_jump_px * kUnitsPerPx)),
                                static_cast<std::int16_t>(std::lround(gain * 8192)), settings_.max_step_px,
-                               settings_.given_sigma_px, misalignment_px};
+                               settings_.given_sigma_px};
   for (int iteration = 1; iteration <= settings_.iterations; ++iteration) {
     const bool last = iteration == settings_.iterations;
     ParallelFor(num_strips, [&](int strip) {

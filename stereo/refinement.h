@@ -35,10 +35,9 @@ class Refiner {
   /// wanted.
   void Refine(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1f& disparity, cv::Mat1f* sigma,
               const Steepness& steepness = {});
-  /// @param given            in: disparities; out: anything
-  /// @param misalignment_px  how far the columns of the images may be off: no sigma is less
+  /// @param given  in: disparities; out: anything
   void Refine(const cv::Mat1b& left, const cv::Mat1b& right, UnitImage& given, cv::Mat1f& disparity,
-              cv::Mat1f* sigma, const Steepness& steepness = {}, float misalignment_px = 0.0f);
+              cv::Mat1f* sigma, const Steepness& steepness = {});
 
  private:
   class StripRows;

@@ -44,7 +44,6 @@ struct RefineLimits {
   std::int16_t max_jump;  ///< in kUnitsPerPx
   std::int16_t gain;      ///< of the left image against the right one, times 2^13
   float max_step, given_sigma;
-  float misalignment;  ///< of the images along the row [px]
 };
 
 /// @param rows    of disparities, in units; the middle one's columns are asked for

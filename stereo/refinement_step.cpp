@@ -153,17 +153,17 @@ HWY_INLINE VecF ReciprocalSqrt(VecF x) {
 
 /// Standard deviation [px] of a disparity, by the texture that supports it.
 /// @param gg        of the gradients, energy in the window
-/// @param variance     of the images' noise
-/// @param of_all       variance [px^2] that no texture makes less
-HWY_INLINE VecF SigmaOf(VecF gg, VecF variance, VecF of_all) {
+/// @param variance  of the images' noise
+HWY_INLINE VecF SigmaOf(VecF gg, VecF variance) {
   const TagF df;
   const auto noise_in_texture = hn::Set(df, kNoiseInTexture);
   const auto unsupported_weight = hn::Set(df, 1.0f / (kUnsupportedSigma * kUnsupportedSigma));
   const auto noise_scale = hn::Set(df, kNoiseScale * kNoiseScale);
+  const auto of_sampling = hn::Set(df, kSamplingSigma * kSamplingSigma);
   const auto texture = hn::Max(hn::Sub(gg, hn::Mul(variance, noise_in_texture)), hn::Zero(df));
   const auto information = hn::Add(texture, hn::Mul(variance, unsupported_weight));
   const auto of_noise = hn::Mul(noise_scale, hn::Mul(variance, Reciprocal(information)));
-  const auto square = hn::Add(of_noise, of_all);
+  const auto square = hn::Add(of_noise, of_sampling);
   return hn::Mul(square, ReciprocalSqrt(square));
 }
 
@@ -180,8 +180,6 @@ void RefineRow(const ResidualRow* rows, const ColumnSums& columns, int width, co
   const auto given_weight = hn::Set(df, 1.0f / (limits.given_sigma * limits.given_sigma));
   const auto least_gg = hn::Set(df, kGreyUnits * kGreyUnits);
   const auto rounding = hn::Set(df, kRoundingVariance);
-  const auto of_all =
-      hn::Set(df, kSamplingSigma * kSamplingSigma + limits.misalignment * limits.misalignment);
   const ResidualRow& own = rows[kReach];
   for (int u = 0; u < width; u += static_cast<int>(hn::Lanes(df))) {
     const auto units = hn::LoadU(d16, own.disparity + u);
@@ -215,7 +213,7 @@ void RefineRow(const ResidualRow* rows, const ColumnSums& columns, int width, co
     hn::StoreU(hn::IfThenElse(known, hn::Add(d, hn::IfThenElseZero(moves, step)), unknown), df,
                disparity + u);
     if (!sigma) continue;
-    const auto v_sigma = hn::IfThenElse(moves, SigmaOf(gg, variance, of_all), max_step);
+    const auto v_sigma = hn::IfThenElse(moves, SigmaOf(gg, variance), max_step);
     hn::StoreU(hn::IfThenElse(known, v_sigma, unknown), df, sigma + u);
   }
 }

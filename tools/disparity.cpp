@@ -134,13 +134,15 @@ void WriteColor(const fs::path& path, const cv::Mat1f& disparity) {
 }
 
 /// 255 for a sigma of zero, half of it at a quarter of a pixel, 0 = unknown.
-void WriteConfidence(const fs::path& path, const cv::Mat1f& sigma_px) {
+void WriteConfidence(const fs::path& path, const DisparityImage& disparity) {
   constexpr float kHalfAtPx = 0.25f;
-  GrayImage image{sigma_px.cols, sigma_px.rows, {}};
-  for (const float sigma : sigma_px)
+  GrayImage image{disparity.sigma_px.cols, disparity.sigma_px.rows, {}};
+  for (int i = 0; i < static_cast<int>(disparity.sigma_px.total()); ++i) {
+    const float sigma = disparity.TotalSigma(i);
     image.data.push_back(std::isnan(sigma) ? 0
                                            : static_cast<std::uint8_t>(std::max(
                                                  1L, std::lround(255.0f / (1.0f + sigma / kHalfAtPx)))));
+  }
   WritePng(path, image);
 }
 
@@ -198,7 +200,7 @@ void MatchPair(const DisparityOptions& options) {
   else
     WriteDisparityPng(options.out, result.disparity_px);
   if (!options.color.empty()) WriteColor(options.color, result.disparity_px);
-  if (!options.confidence.empty()) WriteConfidence(options.confidence, result.sigma_px);
+  if (!options.confidence.empty()) WriteConfidence(options.confidence, result);
 
   std::vector<double> depth_m;
   std::size_t num_known = 0;

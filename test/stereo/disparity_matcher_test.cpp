@@ -152,7 +152,8 @@ TEST_P(DisparityMatcherTest, KnowsHowWrongAPairMayBeWhoseRowsAndColumnsAreOff) {
     for (int v = 10; v < 350; ++v)
       for (int u = 60; u < 470; ++u)
         if (!std::isnan(result.disparity_px(v, u)))
-          ratios.push_back(std::abs(result.disparity_px(v, u) - plane.At(u, v)) / result.sigma_px(v, u));
+          ratios.push_back(std::abs(result.disparity_px(v, u) - plane.At(u, v)) /
+                           result.TotalSigma(v * result.sigma_px.cols + u));
     std::nth_element(ratios.begin(), ratios.begin() + ratios.size() * 68 / 100, ratios.end());
     return ratios[ratios.size() * 68 / 100];
   };
