@@ -10,11 +10,11 @@
 
 #include <Eigen/Geometry>
 
+#include "polygonization/joint_line.h"
+
 namespace terrace {
 namespace {
 
-/// Planes that meet at a flatter angle than this (sine; 7 deg) have no line of intersection to speak of.
-constexpr double kLeastSine = 0.12;
 /// So far from this plane another surface must have been seen to meet it: nearer, pixels agree with both.
 constexpr std::array<double, 2> kApart_m{0.02, 0.035};
 /// Where nothing is known of it so near, it is asked here: a wall of little texture is often known from some
@@ -72,46 +72,6 @@ constexpr double kStride_px = 0.7;
 
 /// On which side of a line a surface goes on; `kUnsaid` where nothing is known of it.
 enum class Keep { kUnsaid, kFront, kBehind, kBoth };
-
-/// The line where another plane meets this one, in the coordinates of this one.
-struct JointLine {
-  Eigen::Vector2d point;
-  Eigen::Vector2d along;
-  Eigen::Vector2d to_front;  // where the other surface is seen from
-  double sine;
-
-  double Across(const Eigen::Vector2d& p) const { return to_front.dot(p - point); }
-};
-
-std::optional<JointLine> LineOf(const PlaneFrame& frame, const Plane& other) {
-  const double offset = other.SignedDistance(frame.origin);
-  const Eigen::Vector2d gradient(other.normal.dot(frame.x), other.normal.dot(frame.y));
-  const double sine = gradient.norm();
-  if (sine < kLeastSine) return std::nullopt;
-  JointLine line;
-  line.to_front = gradient / sine;
-  line.along = {-line.to_front.y(), line.to_front.x()};
-  line.point = -offset / sine * line.to_front;
-  line.sine = sine;
-  return line;
-}
-
-/// The stretch of a line that passes through a box; none where it passes by.
-std::optional<std::pair<double, double>> Within(const JointLine& line, const Eigen::AlignedBox2d& box) {
-  double from = -std::numeric_limits<double>::infinity(), to = -from;
-  for (int axis = 0; axis < 2; ++axis) {
-    const double low = box.min()[axis] - line.point[axis], high = box.max()[axis] - line.point[axis];
-    const double along = line.along[axis];
-    if (std::abs(along) < 1e-9) {
-      if (low > 0.0 || high < 0.0) return std::nullopt;
-      continue;
-    }
-    from = std::max(from, std::min(low / along, high / along));
-    to = std::min(to, std::max(low / along, high / along));
-  }
-  if (from > to) return std::nullopt;
-  return std::pair(from, to);
-}
 
 /// One surface cut by one other.
 class Joint {
