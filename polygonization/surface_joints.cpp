@@ -70,6 +70,12 @@ constexpr double kMostFace_m = 0.6;
 /// is less than half a pixel.
 constexpr double kStride_px = 0.7;
 
+/// Ground beside another one.
+struct Level {
+  PlaneFrame frame;
+  EvidenceGrid::Reader evidence;
+};
+
 /// On which side of a line a surface goes on; `kUnsaid` where nothing is known of it.
 enum class Keep { kUnsaid, kFront, kBehind, kBoth };
 
@@ -91,7 +97,8 @@ class Joint {
     if (n.z() > kLevel && std::abs(own.z()) < kUpright) strip_ = &kFaceStrip;
     if (own.z() > kLevel && std::abs(n.z()) < kUpright) strip_ = &kGroundStrip;
     step_over_face_ = n.z() > kLevel && std::abs(own.z()) < kUpright;
-    for (const Surface* level : levels) levels_.emplace_back(level->Frame(), level->evidence);
+    for (const Surface* level : levels)
+      levels_.push_back({level->Frame(), EvidenceGrid::Reader(level->evidence)});
   }
 
   /// Cuts along the stretch [from, to] of the line, and appends where it did.
@@ -244,9 +251,9 @@ class Joint {
     if (front == GoesOnFar(at, -line_.to_front)) return false;
     const Eigen::Vector2d beyond = front ? Eigen::Vector2d(-line_.to_front) : line_.to_front;
     bool any = false;
-    for (auto& [frame, evidence] : levels_) {
+    for (Level& level : levels_) {
       const auto is_on = [&](double d) {
-        return evidence.At(frame.ToPlane(frame_.ToWorld(at + d * beyond))) >= EvidenceGrid::kOn;
+        return level.evidence.At(level.frame.ToPlane(frame_.ToWorld(at + d * beyond))) >= EvidenceGrid::kOn;
       };
       const auto is_on_within = [&](double d) { return is_on(-d); };
       if (std::count_if(kFarProbes_m.begin(), kFarProbes_m.end(), is_on) < kGoesOnFar ||
@@ -311,7 +318,7 @@ class Joint {
 
   const PlaneFrame frame_, other_frame_;
   EvidenceGrid::Reader other_evidence_;
-  std::vector<std::pair<PlaneFrame, EvidenceGrid::Reader>> levels_;  // ground above and below this surface
+  std::vector<Level> levels_;  // above and below this surface
   const JointLine& line_;
   PlaneBitmap& bitmap_;
   Eigen::Vector2d up_other_;  // in the other plane, away from the line on the seen side of this one
