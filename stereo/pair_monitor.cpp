@@ -87,7 +87,7 @@ bool ShowsSomething(const cv::Mat1b& image, int row, int column) {
   return *most - *least >= kTexture;
 }
 
-/// Of the pixels around which the left image shows something; of all, where it hardly does anywhere.
+/// Of all pixels or of those around which the left image shows something, whichever is more.
 float KnownShare(const cv::Mat1b& left, const cv::Mat1f& disparity) {
   int num = 0, num_known = 0, num_textured = 0, num_textured_known = 0;
   for (int v = kDisparityStep / 2; v < disparity.rows; v += kDisparityStep)
@@ -98,9 +98,10 @@ float KnownShare(const cv::Mat1b& left, const cv::Mat1f& disparity) {
       num_textured += textured;
       num_textured_known += known && textured;
     }
-  const bool enough = num_textured >= kEnoughTexture * num;
-  return static_cast<float>(enough ? num_textured_known : num_known) /
-         static_cast<float>(std::max(enough ? num_textured : num, 1));
+  const float of_all = static_cast<float>(num_known) / static_cast<float>(std::max(num, 1));
+  if (num_textured < kEnoughTexture * num) return of_all;
+  return std::max(of_all,
+                  static_cast<float>(num_textured_known) / static_cast<float>(std::max(num_textured, 1)));
 }
 
 std::string Sentence(const char* format, double value) {
