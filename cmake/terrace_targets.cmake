@@ -30,6 +30,23 @@ function(terrace_library name)
   target_link_libraries(terrace_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:terrace::options> ${ARG_PRIVATE})
 endfunction()
 
+# terrace_computes(NAME): a folder in which frames spend their time. Short loops of known length are unrolled, simple ones
+# turned into vectors; nobody asks for floating-point traps or for errno after a square root.
+function(terrace_computes name)
+  target_compile_options(terrace_${name} PRIVATE "$<$<CONFIG:Release>:-O3;-fno-trapping-math;-fno-math-errno>")
+endfunction()
+
+# terrace_uses_simd(NAME SOURCES...): Highway compiles these files of a folder once for each instruction set that a robot may
+# have, chosen at run time; without SSSE3 (nobody has it and not SSE4) and SVE, whose vectors cannot be put into arrays. The
+# plain C++ target stays on: the compiler bug for which Highway avoids it concerns operations that are not used here, and the
+# tests compare every target.
+function(terrace_uses_simd name)
+  target_link_libraries(terrace_${name} PRIVATE PkgConfig::HWY)
+  target_compile_definitions(terrace_${name} PRIVATE
+    HWY_WANT_AVX3_DL=1 HWY_BROKEN_EMU128=0 "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # terrace_called_by_tbb(SOURCES...): files that the thread sanitizer must not judge, because TBB, which it cannot see into,
 # starts and ends what they do; they tell it of that where TERRACE_SANITIZE_THREAD is defined.
 function(terrace_called_by_tbb)

@@ -15,7 +15,7 @@
 #include <tbb/global_control.h>
 
 #include "core/check.h"
-#include "test/stereo/every_target.h"
+#include "test/every_target.h"
 #include "test/stereo/textured_pair.h"
 
 namespace terrace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "test/stereo/every_target.h"
+#include "test/every_target.h"
 
 namespace terrace {
 namespace {

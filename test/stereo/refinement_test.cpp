@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "stereo/unknown_disparity.h"
-#include "test/stereo/every_target.h"
+#include "test/every_target.h"
 #include "test/stereo/textured_pair.h"
 
 namespace terrace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <hwy/aligned_allocator.h>
 
-#include "test/stereo/every_target.h"
+#include "test/every_target.h"
 
 namespace terrace {
 namespace {
