@@ -56,7 +56,11 @@ void FreeSpace::CheckLeaves(const LeafIndex& corner, Cell* cell, LeafTree* tree)
   const Eigen::Vector3f corner_left =
       CentreInLeft(corner, config_.leaves_per_cell).cast<float>() -
       R_left_leaves_ * Eigen::Vector3f::Constant(0.5F * static_cast<float>(config_.leaves_per_cell));
+  std::size_t next = 0;
   const auto is_cleared = [&](int index) {
+    // They lie scattered over memory, which is asked for those to come.
+    constexpr std::size_t kAhead = 8;
+    if (++next + kAhead <= cell->leaves.size()) tree->leaves().PrefetchEvidence(cell->leaves[next + kAhead - 1]);
     Evidence& leaf = tree->leaves().evidence(index);
     const Eigen::Vector3i in_cell(leaf.corner[0], leaf.corner[1], leaf.corner[2]);
     const LeafState state = CheckLeaf(in_cell, corner_left, &leaf);

@@ -93,11 +93,21 @@ class LeafPool {
   const Leaf& leaf(int index) const { return leaves_[index]; }
   Evidence& evidence(int index) { return evidence_[index]; }
   const Evidence& evidence(int index) const { return evidence_[index]; }
+  /// Visits leaves that lie scattered over memory, which is asked for those to come.
+  template <typename Use>
+  void ForEach(const std::vector<int>& indices, const Use& use) const {
+    constexpr std::size_t kAhead = 8;
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      if (i + kAhead < indices.size()) Prefetch(indices[i + kAhead]);
+      use(indices[i]);
+    }
+  }
   /// Has both parts of a leaf fetched from memory while other work goes on.
   void Prefetch(int index) const {
     __builtin_prefetch(&leaves_[index]);
-    __builtin_prefetch(&evidence_[index]);
+    PrefetchEvidence(index);
   }
+  void PrefetchEvidence(int index) const { __builtin_prefetch(&evidence_[index]); }
   std::int64_t num_used() const { return leaves_.num_used(); }
   std::int64_t num_occupied() const { return num_occupied_; }
   std::int64_t memory_bytes() const { return leaves_.memory_bytes() + evidence_.memory_bytes(); }

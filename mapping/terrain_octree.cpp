@@ -71,10 +71,10 @@ class TerrainOctree::Impl {
     surfels->clear();
     const int slot = tree_.FindCell(cell);
     if (slot == kNothing) return;
-    for (const int index : tree_.cell(slot).leaves) {
+    tree_.leaves().ForEach(tree_.cell(slot).leaves, [&](int index) {
       const Evidence& evidence = tree_.leaves().evidence(index);
       if (evidence.occupied) surfels->push_back(SurfelOf(tree_.leaves().leaf(index), evidence, config_));
-    }
+    });
   }
 
   std::vector<OccupiedLeaf> LeavesIn(const Eigen::AlignedBox3d& box_world) {
