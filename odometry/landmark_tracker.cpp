@@ -19,6 +19,12 @@ constexpr double kMaxScale = 2.5;
 constexpr float kMinAgreement = 0.7f;
 constexpr double kPixelFloorPx = 0.05;
 
+/// The host's level on which a pixel is about as large as one on a level here.
+int HostLevel(const Match& match, int level) {
+  const int shift = static_cast<int>(std::lround(-std::log2(match.scale)));
+  return std::clamp(level + shift, 0, ImagePyramid::kNumLevels - 1);
+}
+
 }  // namespace
 
 LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const FeatureGrid& grid)
@@ -67,7 +73,12 @@ Matches LandmarkTracker::Track(const Window& window, const ImagePyramid& left, c
                                const Eigen::Isometry3d& T_world_left, double vertical_px,
                                const SearchOptions& options) const {
   Matches matches;
-  for (Match& match : Candidates(window, T_world_left, options.max_per_cell)) {
+  std::vector<Match> candidates = Candidates(window, T_world_left, options.max_per_cell);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    // Keyframes are too large for the processor's cache, and landmarks lie scattered over them.
+    constexpr std::size_t kAhead = 2;
+    if (i + kAhead < candidates.size()) Prefetch(window, candidates[i + kAhead], options);
+    Match& match = candidates[i];
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
     matches.NoteTried(match.landmark, landmark);
     if (!FindInLeft(landmark, window.at(landmark.host).left, left, options, match)) continue;
@@ -125,21 +136,29 @@ Matches LandmarkTracker::SearchWide(const Window& window, const ImagePyramid& le
   return matches;
 }
 
+void LandmarkTracker::Prefetch(const Window& window, const Match& match, const SearchOptions& options) const {
+  const Landmark& landmark = window.landmarks[static_cast<std::size_t>(match.landmark)];
+  const ImagePyramid& host = window.at(landmark.host).left;
+  for (int level = options.start_level; level >= options.finest_level; --level) {
+    const int host_level = HostLevel(match, level);
+    PrefetchTemplate(host[host_level],
+                     landmark.pixel_host.cast<float>() / static_cast<float>(1 << host_level));
+  }
+}
+
 bool LandmarkTracker::FindInLeft(const Landmark& landmark, const ImagePyramid& host, const ImagePyramid& left,
                                  const SearchOptions& options, Match& match) const {
   constexpr int kMaxIterations = 8;
   constexpr float kMaxShiftPx = 8.0f;        // on the level searched
   constexpr float kMaxShiftFinestPx = 4.0f;  // after a coarser level has agreed
   const Eigen::Matrix2f A_host_here = match.predicted.A_here_host.inverse().cast<float>();
-  // The host's level on which a pixel is about as large as one here.
-  const int host_shift = static_cast<int>(std::lround(-std::log2(match.scale)));
   Eigen::Vector2f position = match.predicted.uvd.head<2>().cast<float>();
 
   PatchTemplate patch;
   Alignment alignment;
   int found_level = -1;
   for (int level = options.start_level; level >= options.finest_level; --level) {
-    const int host_level = std::clamp(level + host_shift, 0, ImagePyramid::kNumLevels - 1);
+    const int host_level = HostLevel(match, level);
     const float here = static_cast<float>(1 << level);
     const float there = static_cast<float>(1 << host_level);
     if (!ExtractTemplate(host[host_level], landmark.pixel_host.cast<float>() / there,

@@ -63,6 +63,8 @@ class LandmarkTracker {
  private:
   std::vector<Match> Candidates(const Window& window, const Eigen::Isometry3d& T_world_left,
                                 int max_per_cell) const;
+  /// Has the pixels fetched from memory that FindInLeft() will read in the landmark's keyframe.
+  void Prefetch(const Window& window, const Match& match, const SearchOptions& options) const;
   bool FindInLeft(const Landmark& landmark, const ImagePyramid& host, const ImagePyramid& left,
                   const SearchOptions& options, Match& match) const;
   void FindInRight(const ImagePyramid& left, const ImagePyramid& right, double vertical_px,

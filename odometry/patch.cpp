@@ -90,6 +90,14 @@ bool ExtractTemplate(const cv::Mat1b& image, const Eigen::Vector2f& centre,
   return patch.inverse_normal.allFinite();
 }
 
+void PrefetchTemplate(const cv::Mat1b& image, const Eigen::Vector2f& centre) {
+  constexpr int kReach = kWide / 2;
+  const int u = std::clamp(static_cast<int>(centre.x()) - kReach, 0, image.cols - 1);
+  const int v = std::clamp(static_cast<int>(centre.y()), kReach, std::max(kReach, image.rows - 1 - kReach));
+  for (int row = v - kReach; row <= std::min(v + kReach, image.rows - 1); ++row)
+    __builtin_prefetch(image[row] + u);
+}
+
 float Correlation(const cv::Mat1b& image, const PatchTemplate& patch, int u, int v) {
   if (u < 0 || v < 0 || u + kSize > image.cols || v + kSize > image.rows) return -1.0f;
   Float4 cross{}, one{}, square{}, own{};

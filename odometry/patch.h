@@ -32,6 +32,10 @@ struct PatchTemplate {
 bool ExtractTemplate(const cv::Mat1b& image, const Eigen::Vector2f& centre,
                      const Eigen::Matrix2f& A_image_template, PatchTemplate& patch);
 
+/// Has what ExtractTemplate() will read around `centre` fetched from memory while other work goes on.
+/// @param centre  may lie outside the image
+void PrefetchTemplate(const cv::Mat1b& image, const Eigen::Vector2f& centre);
+
 /// Normalised correlation of a template with the image patch whose first sample is pixel (u, v); -1 outside.
 float Correlation(const cv::Mat1b& image, const PatchTemplate& patch, int u, int v);
 
