@@ -8,18 +8,17 @@
 
 namespace terrace {
 
+EvidenceGrid::Block& EvidenceGrid::Opener::BlockAt(const BlockKey& key) {
+  Known& known = known_[static_cast<std::size_t>((key.first & 1) + 2 * (key.second & 1))];
+  if (known.block == nullptr || known.key != key) known = {&grid_.MakeBlock(key), key};
+  return *known.block;
+}
+
 void EvidenceGrid::Opener::OpenGroups(const Eigen::Vector2i& low, const Eigen::Vector2i& high) {
-  for (int y = low.y(); y <= high.y(); ++y) {
-    for (int x = low.x(); x <= high.x(); ++x) {
-      const BlockKey key = KeyOf(x * kGroupCells, y * kGroupCells);
-      if (block_ == nullptr || key != key_) {
-        block_ = &grid_.MakeBlock(key);
-        key_ = key;
-      }
-      block_->OpenGroup(x * kGroupCells - key.first * kBlockCells,
-                        y * kGroupCells - key.second * kBlockCells);
-    }
-  }
+  for (int y = low.y(); y <= high.y(); ++y)
+    for (int x = low.x(); x <= high.x(); ++x)
+      BlockAt({x >> kGroupShift, y >> kGroupShift})
+          .OpenGroup((x & (kBlockGroups - 1)) * kGroupCells, (y & (kBlockGroups - 1)) * kGroupCells);
 }
 
 void EvidenceGrid::Open(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {

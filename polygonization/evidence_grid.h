@@ -27,11 +27,12 @@ class EvidenceGrid {
   /// x and y of a block.
   using BlockKey = std::pair<int, int>;
   struct Block {
-    std::array<std::int8_t, kBlockCells * kBlockCells> cells{};  ///< row by row
     std::uint16_t open = 0;  ///< a bit for each group that takes evidence, row by row
     FrameId on_frame = -1;   ///< the last frame that saw the surface here
     std::uint8_t num_looks = 0;
     bool contradicted = false;  ///< the last look found much that is not as it was
+    /// Row by row; behind what says whether they need to be looked at.
+    std::array<std::int8_t, kBlockCells * kBlockCells> cells{};
 
     bool IsOpen(int x, int y) const {
       return (open >> (y / kGroupCells * (kBlockCells / kGroupCells) + x / kGroupCells) & 1) != 0;
@@ -53,8 +54,8 @@ class EvidenceGrid {
   const Blocks& blocks() const { return blocks_; }
 
   double group_m() const { return cell_m_ * kGroupCells; }
-  /// Takes evidence in boxes from now on. Boxes that follow each other mostly lie in one block, which is
-  /// looked up once.
+  /// Takes evidence in boxes from now on. Boxes that follow each other mostly lie in one block or across two
+  /// or four, which are looked up once.
   class Opener {
    public:
     explicit Opener(EvidenceGrid* grid) : grid_(*grid) {}
@@ -62,9 +63,14 @@ class EvidenceGrid {
     void OpenGroups(const Eigen::Vector2i& low, const Eigen::Vector2i& high);
 
    private:
+    struct Known {
+      Block* block = nullptr;
+      BlockKey key{};
+    };
+    Block& BlockAt(const BlockKey& key);
+
     EvidenceGrid& grid_;
-    Block* block_ = nullptr;
-    BlockKey key_{};  // of `block_`
+    std::array<Known, 4> known_;  // by the lowest bits of their keys
   };
   /// All groups that the box from low to high touches [m].
   void Open(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
@@ -136,6 +142,9 @@ class EvidenceGrid {
 
   static constexpr int kBlockShift = 4;
   static_assert(1 << kBlockShift == kBlockCells);
+  static constexpr int kBlockGroups = kBlockCells / kGroupCells;  // along the edge of a block
+  static constexpr int kGroupShift = 2;
+  static_assert(1 << kGroupShift == kBlockGroups);
 
   double cell_m_;
   Blocks blocks_;

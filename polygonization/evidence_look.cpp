@@ -215,6 +215,21 @@ bool EvidenceLook::MayShow(const Eigen::Vector3d& centre_world, double radius_m)
                       [&](const Eigen::Vector3d& side) { return side.dot(centre) < -radius_m; });
 }
 
+EvidenceLook::BlocksInView EvidenceLook::BlocksOf(const PlaneFrame& frame, double block_m) const {
+  const double radius_m = 0.75 * block_m;
+  const Eigen::Matrix3d& R = T_left_world_.linear();
+  const Eigen::Vector3d x = block_m * (R * frame.x), y = block_m * (R * frame.y);
+  const Eigen::Vector3d first_middle = T_left_world_ * frame.origin + 0.5 * (x + y);
+  BlocksInView blocks;
+  const auto set = [&](std::size_t i, const Eigen::Vector3d& side, double least_m) {
+    blocks.sides[i] = {static_cast<float>(side.dot(x)), static_cast<float>(side.dot(y)),
+                       static_cast<float>(side.dot(first_middle) + radius_m - least_m)};
+  };
+  for (std::size_t i = 0; i < sides_.size(); ++i) set(i, sides_[i], 0.0);
+  set(sides_.size(), Eigen::Vector3d::UnitZ(), kNearest_m);
+  return blocks;
+}
+
 LookResult EvidenceLook::At(const Plane& plane_world, const PlaneFrame& frame, double noise_m,
                             EvidenceGrid* grid) const {
   LookResult result;
@@ -241,12 +256,11 @@ LookResult EvidenceLook::At(const Plane& plane_world, const PlaneFrame& frame, d
   plane.fb = static_cast<float>(c.fx * c.baseline_m);
   plane.frame_id = view_.disparity->frame_id;
 
-  const double radius = 0.75 * grid->block_m();
+  const BlocksInView in_view = BlocksOf(frame, grid->block_m());
   for (auto& [key, block] : grid->blocks()) {
-    const Eigen::Vector2d middle = grid->block_m() * Eigen::Vector2d(key.first + 0.5, key.second + 0.5);
     const bool settled = block.num_looks >= kSettledLooks && !block.contradicted;
     if (settled && ((key.first + key.second + plane.frame_id) & 1) != 0) continue;
-    if (block.open == 0 || !MayShow(frame.ToWorld(middle), radius)) continue;
+    if (block.open == 0 || !in_view.Hold(key)) continue;
     BlockLook(view_, plane, &block).Run(key, &result);
   }
   return result;

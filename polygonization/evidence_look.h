@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include <Eigen/Geometry>
@@ -42,6 +43,18 @@ class EvidenceLook {
  private:
   struct PlaneInView;
   class BlockLook;
+  /// Which blocks of a plane may be in view: along each side of the image, and in depth, how far inside a
+  /// block lies is linear in its number.
+  struct BlocksInView {
+    std::array<Eigen::Vector3f, 5> sides;  // dot with (x, y, 1) of a block: not negative where it may be seen
+    bool Hold(const EvidenceGrid::BlockKey& key) const {
+      const Eigen::Vector3f at(static_cast<float>(key.first), static_cast<float>(key.second), 1.0F);
+      return std::all_of(sides.begin(), sides.end(),
+                         [&](const Eigen::Vector3f& s) { return s.dot(at) >= 0.0F; });
+    }
+  };
+  /// @param block_m  edge of a block
+  BlocksInView BlocksOf(const PlaneFrame& frame, double block_m) const;
   /// Whether a ball may be in view.
   bool MayShow(const Eigen::Vector3d& centre_world, double radius_m) const;
 
