@@ -11,7 +11,6 @@ std::vector<std::string> RobotConfig::Problems() const {
   need(body_height_m > 0.0 && body_height_m <= 5.0, "body_height_m must be positive, at most 5");
   need(max_step_height_m > 0.0 && max_step_height_m <= 2.0, "max_step_height_m must be positive, at most 2");
   need(max_step_reach_m > 0.0, "max_step_reach_m must be positive");
-  need(foot_radius_m >= 0.0, "foot_radius_m must not be negative");
   need(max_walkway_slope_deg > 0.0, "max_walkway_slope_deg must be positive");
   need(max_ramp_slope_deg >= max_walkway_slope_deg && max_ramp_slope_deg < 60.0,
        "max_ramp_slope_deg must lie between max_walkway_slope_deg and 60");

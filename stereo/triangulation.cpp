@@ -8,8 +8,6 @@
 namespace terrace {
 namespace {
 
-// A point stands for a square of pixels; this is the standard deviation of a uniform square of side one.
-const float kSigmaOfUnitSquare = 1.0f / std::sqrt(12.0f);
 constexpr int kMaxStep = 16;
 constexpr int kUncertainStep = 4;
 
@@ -54,8 +52,6 @@ Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, c
       const int widest = LowestBit(u | v | kMaxStep);
       const bool skipped = widest < kMaxStep && d >= crowded_px * static_cast<float>(2 * widest);
       if (skipped || !(d > 0.0f) || (mask_row && mask_row[u] == 0)) continue;
-      int step = 1;
-      while (step < kMaxStep && d >= crowded_px * static_cast<float>(2 * step)) step *= 2;
       const float z = fb / d;
       const float sigma_z = z / d * sigma_row[u];  // |dz/dd| = f b / d^2
       const bool certain = sigma_z <= max_sigma_m;
@@ -64,8 +60,7 @@ Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, c
       points.push_back({{(static_cast<float>(u) - cx) * inv_fx * z, y_over_z * z, z},
                         static_cast<std::uint16_t>(u),
                         static_cast<std::uint16_t>(v),
-                        sigma_z,
-                        kSigmaOfUnitSquare * static_cast<float>(step) * z * inv_fx});
+                        sigma_z});
     }
   }
   return cloud;

@@ -143,7 +143,7 @@ TEST_F(ConfigTest, EveryKeyIsPrintedBelowItsDocumentation) {
 
 TEST_F(ConfigTest, WhatItPrintsReadsBackAsTheSame) {
   const Config config =
-      LoadConfig({}, {"stereo.max_disparity_px=96", "lcm.url=memq://\"", "robot.foot_radius_m=0.1"});
+      LoadConfig({}, {"stereo.max_disparity_px=96", "lcm.url=memq://\"", "robot.body_height_m=0.5"});
   const std::string printed = PrintConfig(config);
   EXPECT_EQ(PrintConfig(LoadConfig(File(printed), {})), printed);
   EXPECT_EQ(ConfigHash(LoadConfig(File(printed), {})), ConfigHash(config));
