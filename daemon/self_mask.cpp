@@ -9,6 +9,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/plane_rings.h"
 #include "daemon/config.h"
 #include "datasets/image_file.h"
 #include "stereo/rectifier.h"
@@ -51,12 +52,7 @@ struct Capsule {
   Eigen::Vector3d from, to;
   double radius_m;
 
-  double DistanceTo(const Eigen::Vector3d& p) const {
-    const Eigen::Vector3d along = to - from;
-    const double length2 = along.squaredNorm();
-    const double s = length2 > 0.0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
-    return (from + s * along - p).norm();
-  }
+  double DistanceTo(const Eigen::Vector3d& p) const { return (NearestOnSegment(from, to, p) - p).norm(); }
   bool Contains(const Eigen::Vector3d& p) const { return DistanceTo(p) <= radius_m; }
   /// The ray's point nearest to the axis lies between those nearest to its ends; the distance to a segment is
   /// convex along a line, so halving by thirds finds it.
