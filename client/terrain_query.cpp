@@ -13,26 +13,31 @@
 #include "core/check.h"
 
 namespace terrace {
-
 TerrainQuery::TerrainQuery(TerrainMapPtr map, const TerrainQuery* before) : map_(std::move(map)) {
   TERRACE_CHECK(map_ != nullptr);
   const bool same_map = before && before->map_->map_id == map_->map_id;
-  auto old = same_map ? before->entries_.begin() : std::vector<Entry>::const_iterator();
-  const auto end_of_old = same_map ? before->entries_.end() : std::vector<Entry>::const_iterator();
-  std::vector<Eigen::AlignedBox3d> boxes;
+  const std::size_t num_old = same_map ? before->entries_.size() : 0;
+  std::size_t old = 0;
   entries_.reserve(map_->regions.size());
-  boxes.reserve(map_->regions.size());
+  boxes_.reserve(map_->regions.size());
   for (const auto& region : map_->regions) {
-    while (old != end_of_old && old->region->id < region->id) ++old;
-    const bool known =
-        old != end_of_old && old->region->id == region->id && old->region->revision == region->revision;
-    entries_.push_back({region.get(), known ? old->shape : std::make_shared<const RegionShape>(*region)});
-    boxes.push_back(entries_.back().shape->box_world());
+    // Most regions are the very ones of the map before; to tell that, nothing of them need be fetched from
+    // memory.
+    bool known = old < num_old && before->entries_[old].region == region.get();
+    if (!known) {
+      while (old < num_old && before->entries_[old].region->id < region->id) ++old;
+      known = old < num_old && before->entries_[old].region->id == region->id &&
+              before->entries_[old].region->revision == region->revision;
+    }
+    entries_.push_back(
+        {region.get(), known ? before->entries_[old].shape : std::make_shared<const RegionShape>(*region)});
+    boxes_.push_back(known ? before->boxes_[old] : entries_.back().shape->box_world());
+    if (known) ++old;
   }
-  order_ = SpatialOrder(boxes);
+  order_ = SpatialOrder(boxes_);
   std::vector<Eigen::AlignedBox3d> ordered;
-  ordered.reserve(boxes.size());
-  for (const std::uint32_t i : order_) ordered.push_back(boxes[i]);
+  ordered.reserve(boxes_.size());
+  for (const std::uint32_t i : order_) ordered.push_back(boxes_[i]);
   tree_ = BoxTree<3>(std::move(ordered));
 }
 

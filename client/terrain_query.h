@@ -80,6 +80,7 @@ class TerrainQuery {
 
   TerrainMapPtr map_;
   std::vector<Entry> entries_;
+  std::vector<Eigen::AlignedBox3d> boxes_;  // of the entries
   std::vector<std::uint32_t> order_;
   BoxTree<3> tree_;
 };

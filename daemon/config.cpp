@@ -115,6 +115,7 @@ class Binding {
   explicit Binding(Config* config) {
     PipelineConfig& p = config->pipeline;
     Bind("pipeline", &p.flow);
+    Bind("camera", &p.image_scale);
     Bind("camera.mounting", &p.mounting);
     Bind("stereo", &p.rectifier);
     Bind("stereo", &p.stereo);
@@ -179,6 +180,7 @@ class Loader {
   void ReadFile(const std::filesystem::path& file) {
     YAML::Node root;
     try {
+      if (std::filesystem::is_directory(file)) throw YAML::BadFile(file.string());
       root = YAML::LoadFile(file.string());
     } catch (const YAML::BadFile&) {
       problems_.push_back(file.string() + ": cannot be read");
@@ -312,8 +314,9 @@ std::string PrintConfig(const Config& config) {
     const std::size_t dot = key.section.find('.');
     const std::string indent = dot == std::string::npos ? "  " : "    ";
     if (key.section != section) {
+      const std::string top = key.section.substr(0, dot);
+      if (section.substr(0, section.find('.')) != top) text += "\n" + top + ":\n";
       section = key.section;
-      text += "\n" + section.substr(0, dot) + ":\n";
       if (dot != std::string::npos) text += "  " + section.substr(dot + 1) + ":\n";
     }
     std::size_t begin = 0;

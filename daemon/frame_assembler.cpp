@@ -27,11 +27,11 @@ std::vector<Sample> TakeUpTo(Timestamp t, std::deque<Sample>* samples) {
 
 }  // namespace
 
-bool RisingTimes::Accept(Timestamp t) {
+bool RisingTimes::Accept(Timestamp t, std::chrono::nanoseconds silence) {
   constexpr std::chrono::seconds kOvertakes(1);  // messages of one clock overtake one another by less
   const bool back = last_ && *last_ - t > kOvertakes;
   if (last_ && t <= *last_ && !back) return false;
-  const bool jumps = back || (last_ && t - *last_ > max_jump_);
+  const bool jumps = back || (last_ && t - *last_ > max_jump_ + silence);
   const bool confirmed = suspect_ && t > *suspect_ && t - *suspect_ <= max_jump_;
   if (jumps && !confirmed) {
     suspect_ = t;
@@ -52,8 +52,10 @@ FrameAssembler::FrameAssembler(const LiveConfig& config)
       leg_times_(FromSeconds(config.max_time_jump_s)) {}
 
 void FrameAssembler::Add(const ImuSample& sample, ArrivalTime now) {
+  newest_imu_ = {sample.t, now};
   // What belongs to a frame that is out already has come too late.
-  if (!imu_times_.Accept(sample.t) || (last_frame_ && sample.t <= *last_frame_)) {
+  if (!imu_times_.Accept(sample.t, now - imu_arrived_.value_or(now)) ||
+      (last_frame_ && sample.t <= *last_frame_)) {
     ++num_imu_gaps_;
     return;
   }
@@ -75,15 +77,26 @@ void FrameAssembler::Add(const BodyPrior& prior) {
 }
 
 void FrameAssembler::Add(StereoPair pair, ArrivalTime now) {
-  if (!pair_times_.Accept(pair.t_capture)) {
+  if (!pair_times_.Accept(pair.t_capture, now - pair_arrived_.value_or(now))) {
     ++num_time_jumps_;
     return;
   }
+  pair_arrived_ = now;
   if (pair_times_.clock_set_by().count() != 0) {
     clock_change_ = pair_times_.clock_set_by();
     ForgetOtherClock(pair.t_capture);
   }
+  CompareClocks(pair.t_capture, now);
   pairs_.push_back({std::move(pair), now});
+}
+
+/// Samples of another clock are never those of a frame.
+void FrameAssembler::CompareClocks(Timestamp t_pair, ArrivalTime now) {
+  constexpr std::chrono::seconds kLate(2);  // images may be on their way for some time
+  imu_clock_ahead_.reset();
+  if (!newest_imu_ || now - newest_imu_->second > kImuSilent) return;
+  const std::chrono::nanoseconds ahead = newest_imu_->first - t_pair;
+  if (ahead > kLate || ahead < -kLate) imu_clock_ahead_ = ahead;
 }
 
 /// Samples and pairs of the clock of before would be taken for older or newer than they are.

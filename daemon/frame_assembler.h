@@ -20,7 +20,8 @@ class RisingTimes {
   explicit RisingTimes(std::chrono::nanoseconds max_jump) : max_jump_(max_jump) {}
 
   /// True when an item with this time can be used.
-  bool Accept(Timestamp t);
+  /// @param silence  since the last one arrived: a time stamp that is ahead by as much is no jump
+  bool Accept(Timestamp t, std::chrono::nanoseconds silence = {});
   /// By how much the clock was set with the last time that was accepted; zero: it was not.
   std::chrono::nanoseconds clock_set_by() const { return clock_set_by_; }
   const std::optional<Timestamp>& last() const { return last_; }
@@ -56,9 +57,13 @@ class FrameAssembler {
     return std::exchange(clock_change_, std::chrono::nanoseconds(0));
   }
   std::int64_t num_imu_gaps() const { return num_imu_gaps_; }
+  /// By how much the newest sample of the IMU was ahead of the newest pair when that came; none where they
+  /// may be of one clock.
+  std::optional<std::chrono::nanoseconds> imu_clock_ahead() const { return imu_clock_ahead_; }
 
  private:
   void ForgetOtherClock(Timestamp t);
+  void CompareClocks(Timestamp t_pair, ArrivalTime now);
 
   struct WaitingPair {
     StereoPair pair;
@@ -79,6 +84,9 @@ class FrameAssembler {
   std::deque<BodyPrior> priors_;
   std::optional<Timestamp> last_imu_;
   std::optional<ArrivalTime> imu_arrived_;
+  std::optional<ArrivalTime> pair_arrived_;
+  std::optional<std::pair<Timestamp, ArrivalTime>> newest_imu_;  // whether it was taken or not
+  std::optional<std::chrono::nanoseconds> imu_clock_ahead_;
   std::optional<Timestamp> last_frame_;
   std::chrono::nanoseconds clock_change_{0};
   std::int64_t num_time_jumps_ = 0;

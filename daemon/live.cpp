@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -15,7 +16,10 @@
 #include <terrace/status_v1_t.hpp>
 
 #include "client/terrace_file.h"
+#include "core/print.h"
+#include "core/time.h"
 #include "daemon/commands.h"
+#include "daemon/input_troubles.h"
 #include "daemon/interrupt.h"
 #include "daemon/live_input.h"
 #include "daemon/loaded_map_publisher.h"
@@ -124,9 +128,16 @@ class LiveNode {
       spdlog::warn("another terraced speaks on {}: stop one of them, or give it other channels", channel);
   }
 
+  /// A calibration that came as a message and does not fit the configuration is no reason to end.
   void StartMapper() {
-    mapper_ =
-        std::make_unique<LiveMapper>(options_, config_, *input_->calibration(), &lcm_, &reporter_, &desk_);
+    try {
+      mapper_ =
+          std::make_unique<LiveMapper>(options_, config_, *input_->calibration(), &lcm_, &reporter_, &desk_);
+    } catch (const ConfigError& error) {
+      if (!config_.live.calibration.empty()) throw;
+      input_->RefuseCalibration(input_->calibration()->name + ": " + error.what());
+      return;
+    }
     mapper_->run.pipeline().PauseMap(paused_);
     if (first_map_)
       mapper_->run.loaded_map().Load(std::exchange(first_map_, nullptr), config_.live.load_map,
@@ -151,7 +162,7 @@ class LiveNode {
     if (mapper_ && mapper_->run.map()) {
       spdlog::info("results: {}", options_.output.string());
     } else {
-      spdlog::warn("no frames came: no results");
+      spdlog::warn("no frames came: the results are empty");
     }
   }
 
@@ -180,36 +191,52 @@ class LiveNode {
     status.num_imu_gaps = input_->num_imu_gaps();
     const FlowCounts counts = mapper_ ? mapper_->run.counts() : FlowCounts{};
     SetFlow(counts, &status);
+    AddLastingTroubles(&status);
     // A map that leaves frames out is a slower map, not a damaged one.
-    const std::int64_t num_troubles = status.num_bad_frames + status.num_decode_errors +
-                                      status.num_time_jumps + status.num_imu_gaps + counts.num_dropped;
-    if (status.state == DaemonState::kRunning && num_troubles > num_troubles_) {
-      status.state = DaemonState::kDegraded;
-      if (status.reason.empty()) {
-        status.reason = "input was lost, late, damaged or dropped; see the counters";
-        status.reason_code = ReasonCode::kInputTrouble;
-      }
-    }
-    num_troubles_ = num_troubles;
+    AddTrouble(input_troubles_.Take(status, counts.num_dropped), ReasonCode::kInputTrouble, &status);
     if (status.state == DaemonState::kNoCalibration) {
       status.reason = SayThatCalibrationIsMissing();
       status.reason_code =
           input_->calibration_problem().empty() ? ReasonCode::kNoCalibration : ReasonCode::kBadCalibration;
     }
     if (status.state == DaemonState::kNoInput) {
-      status.reason = input_->why_no_images().empty() ? "no images on " + config_.channels.images
-                                                      : "images on " + config_.channels.images +
-                                                            " are not taken: " + input_->why_no_images();
+      const std::string why = WhyImagesAreNotTaken();
+      status.reason = why.empty() ? "no images on " + config_.channels.images : why;
       status.reason_code = ReasonCode::kNoImages;
-    }
-    constexpr std::chrono::seconds kRecently(3);
-    if (other_heard_ && Clock::now() - *other_heard_ < kRecently && status.reason.empty()) {
-      status.reason = "another terraced speaks on this bus";
-      status.reason_code = ReasonCode::kInputTrouble;
     }
     reporter_.Send(status);
     service_.Tell(status);
     LogChange(status);
+  }
+
+  /// A reason of before is the more urgent one.
+  static void AddTrouble(const std::string& text, ReasonCode code, Status* status) {
+    if (text.empty()) return;
+    if (status->state == DaemonState::kRunning) status->state = DaemonState::kDegraded;
+    if (!status->reason.empty()) return;
+    status->reason = text;
+    status->reason_code = code;
+  }
+
+  std::string WhyImagesAreNotTaken() const {
+    const std::string& why = input_->why_no_images();
+    return why.empty() ? why : "images on " + config_.channels.images + " are not taken: " + why;
+  }
+
+  void AddLastingTroubles(Status* status) {
+    AddTrouble(WhyImagesAreNotTaken(), ReasonCode::kNoImages, status);
+    if (const auto ahead = input_->imu_clock_ahead())
+      AddTrouble(
+          Printed("the IMU's time stamps are %.1f s %s those of the images: of another clock, and of no use",
+                  std::abs(Seconds(*ahead)), ahead->count() > 0 ? "ahead of" : "behind"),
+          ReasonCode::kOther, status);
+    if (input_->calibration_has_changed())
+      AddTrouble("the calibration on " + config_.channels.calibration +
+                     " has changed: the one of before is used until terraced is started again",
+                 ReasonCode::kOther, status);
+    constexpr std::chrono::seconds kRecently(3);
+    if (other_heard_ && Clock::now() - *other_heard_ < kRecently)
+      AddTrouble("another terraced speaks on this bus", ReasonCode::kInputTrouble, status);
   }
 
   void LogChange(const Status& status) {
@@ -232,11 +259,12 @@ class LiveNode {
     }
   }
 
+  /// What is wrong with one that came has been said when it came.
   std::string SayThatCalibrationIsMissing() {
-    const std::string text = input_->calibration_problem().empty()
-                                 ? "no calibration yet: waiting for calibration_v1_t on " +
-                                       config_.channels.calibration + " (or set lcm.calibration)"
-                                 : input_->calibration_problem();
+    const std::string problem = input_->calibration_problem();
+    if (!problem.empty()) return problem;
+    const std::string text = "no calibration yet: waiting for calibration_v1_t on " +
+                             config_.channels.calibration + " (or set lcm.calibration)";
     if (!std::exchange(calibration_missing_said_, true)) spdlog::warn("{}", text);
     return text;
   }
@@ -283,7 +311,7 @@ class LiveNode {
   std::optional<Clock::time_point> other_heard_;
   bool other_said_ = false;
   Clock::time_point report_due_ = Clock::now() + std::chrono::seconds(1);
-  std::int64_t num_troubles_ = 0;
+  InputTroubles input_troubles_;
 };
 
 }  // namespace

@@ -113,6 +113,11 @@ void LiveInput::Decode(Input* input, Buffer* buffer, Use use) {
   input->why_not = why_not;
 }
 
+void LiveInput::RequireUsualPace(Input* input, Timestamp stamp) {
+  const double factor = input->pace.Add(stamp, Clock::now());
+  if (factor != 1.0) throw std::runtime_error(SentenceAboutPace(factor));
+}
+
 std::vector<InputStatus> LiveInput::TakeInputs() {
   const auto now = Clock::now();
   const double window_s = std::max(1e-3, std::chrono::duration<double>(now - window_start_).count());
@@ -132,7 +137,9 @@ std::vector<InputStatus> LiveInput::TakeInputs() {
 
 void LiveInput::OnImages(Buffer* buffer, const std::string&) {
   Decode<images_t>(&images_, buffer, [this](const images_t& message) {
-    if (!CaptureTime(message)) throw std::runtime_error(StrangeTime(message.utime));
+    const std::optional<Timestamp> t_capture = CaptureTime(message);
+    if (!t_capture) throw std::runtime_error(StrangeTime(message.utime));
+    RequireUsualPace(&images_, *t_capture);
     if (calibration_) assembler_.Add(FromMessage(message), Clock::now());
     return true;
   });
@@ -141,33 +148,43 @@ void LiveInput::OnImages(Buffer* buffer, const std::string&) {
 void LiveInput::OnCalibration(Buffer* buffer, const std::string& channel) {
   Decode<calibration_v1_t>(&calibrations_, buffer, [&](const calibration_v1_t& message) {
     if (calibration_) {
-      if (message.content_hash != content_hash_ && !std::exchange(change_said_, true)) {
-        spdlog::warn("the calibration on {} has changed; the one of before stays in use until a restart",
-                     channel);
-      }
+      calibration_has_changed_ = message.content_hash != content_hash_;
       return true;
     }
     std::optional<StereoCalibration> calibration = FromMessage(message);
-    if (!calibration) return false;
+    if (!calibration)
+      throw std::runtime_error("a pose or noise in it is none, or its model is no lens model");
     calibration->name = channel + " (" + message.name + ")";
     std::string problem;
     for (const std::string& sentence : calibration->Problems())
       problem += (problem.empty() ? "" : "; ") + sentence;
     if (!problem.empty()) {
-      if (problem != calibration_problem_) spdlog::error("the calibration cannot be used: {}", problem);
-      calibration_problem_ = problem;
+      RefuseCalibration(problem);
       return true;
     }
-    calibration_problem_.clear();
     calibration_ = std::move(calibration);
     content_hash_ = message.content_hash;
     return true;
   });
 }
 
+std::string LiveInput::calibration_problem() const {
+  if (calibration_) return "";
+  if (calibrations_.why_not.empty()) return calibration_problem_;
+  return "messages on " + calibrations_.channel + " are not taken: " + calibrations_.why_not;
+}
+
+void LiveInput::RefuseCalibration(const std::string& problem) {
+  calibration_.reset();
+  // It comes once a second.
+  if (problem != calibration_problem_) spdlog::error("the calibration cannot be used: {}", problem);
+  calibration_problem_ = problem;
+}
+
 void LiveInput::OnImu(Buffer* buffer, const std::string&) {
   Decode<imu_v1_t>(&imu_, buffer, [this](const imu_v1_t& message) {
     const std::optional<ImuSample> sample = FromMessage(message);
+    if (sample) RequireUsualPace(&imu_, sample->t);
     if (sample) assembler_.Add(*sample, std::chrono::steady_clock::now());
     return sample.has_value();
   });
@@ -176,6 +193,7 @@ void LiveInput::OnImu(Buffer* buffer, const std::string&) {
 void LiveInput::OnBodyPrior(Buffer* buffer, const std::string&) {
   Decode<body_prior_v1_t>(&body_prior_, buffer, [this](const body_prior_v1_t& message) {
     const std::optional<BodyPrior> prior = FromMessage(message);
+    if (prior) RequireUsualPace(&body_prior_, prior->t);
     if (prior) assembler_.Add(*prior);
     return prior.has_value();
   });
@@ -184,6 +202,7 @@ void LiveInput::OnBodyPrior(Buffer* buffer, const std::string&) {
 void LiveInput::OnBodyPose(Buffer* buffer, const std::string&) {
   Decode<pose_t>(&body_pose_, buffer, [this](const pose_t& message) {
     const std::optional<BodyPrior> prior = PriorFromPose(message, body_pose_kind_);
+    if (prior) RequireUsualPace(&body_pose_, prior->t);
     if (prior) assembler_.Add(*prior);
     return prior.has_value();
   });

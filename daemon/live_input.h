@@ -18,6 +18,7 @@
 #include "core/status.h"
 #include "daemon/frame_assembler.h"
 #include "daemon/live_config.h"
+#include "daemon/stamp_pace.h"
 #include "lcmtypes/channels.h"
 
 namespace terrace {
@@ -39,10 +40,12 @@ class LiveInput {
   LiveInput(const LiveInput&) = delete;
   LiveInput& operator=(const LiveInput&) = delete;
 
-  /// Of the rig; the first one that makes sense stays.
+  /// Of the rig; the first one that makes sense stays, unless it is refused.
   const std::optional<StereoCalibration>& calibration() const { return calibration_; }
-  /// What was wrong with calibrations that came, for the status; empty: nothing.
-  const std::string& calibration_problem() const { return calibration_problem_; }
+  /// The calibration that came does not fit what is configured: the next one is waited for.
+  void RefuseCalibration(const std::string& problem);
+  /// Why what came as a calibration is not used, for the status; empty: nothing has come.
+  std::string calibration_problem() const;
 
   /// The next frame that is complete. Frames are thrown away as long as there is no calibration.
   std::optional<SensorFrame> NextReady();
@@ -57,8 +60,13 @@ class LiveInput {
   std::vector<InputStatus> TakeInputs();
 
   std::int64_t num_bad_frames() const { return num_bad_frames_; }
+  /// The newest calibration that came is another one than that in use.
+  bool calibration_has_changed() const { return calibration_has_changed_; }
   /// Why the newest images that came were not taken; empty: they were, or none have come.
   const std::string& why_no_images() const { return images_.why_not; }
+  /// By how much the clock of the IMU is ahead of that of the images, where that is too much to be of one
+  /// clock.
+  std::optional<std::chrono::nanoseconds> imu_clock_ahead() const { return assembler_.imu_clock_ahead(); }
   std::int64_t num_decode_errors() const { return num_decode_errors_; }
   std::int64_t num_time_jumps() const { return assembler_.num_time_jumps(); }
   std::int64_t num_imu_gaps() const { return assembler_.num_imu_gaps(); }
@@ -76,6 +84,7 @@ class LiveInput {
     std::int64_t num_in_window = 0;
     std::optional<Clock::time_point> t_last;  // of the newest good one
     std::string why_not;                      // the newest was not taken; empty: it was
+    StampPace pace;
   };
 
   void OnImages(Buffer* buffer, const std::string& channel);
@@ -88,6 +97,7 @@ class LiveInput {
   void OnRequestMessage(Buffer* buffer, const std::string& channel);
   template <typename Message, typename Use>
   void Decode(Input* input, Buffer* buffer, Use use);
+  static void RequireUsualPace(Input* input, Timestamp stamp);
   template <auto method>
   void Listen(const Input& input, int capacity);
   void CheckSize(SensorFrame* frame);
@@ -100,7 +110,7 @@ class LiveInput {
   std::optional<StereoCalibration> calibration_;
   std::string content_hash_;  // of the calibration message in use
   std::string calibration_problem_;
-  bool change_said_ = false;
+  bool calibration_has_changed_ = false;
   FrameAssembler assembler_;
   std::vector<lcm::Subscription*> subscriptions_;
   const Clock::time_point start_ = Clock::now();

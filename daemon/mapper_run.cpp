@@ -10,6 +10,7 @@
 #include "core/print.h"
 #include "daemon/config.h"
 #include "daemon/self_mask.h"
+#include "stereo/image_scale.h"
 #include "stereo/rectifier.h"
 
 namespace terrace {
@@ -17,7 +18,7 @@ namespace {
 
 /// Throws ConfigError where the region of interest reaches out of the image, whose size is only known now.
 const PipelineConfig& WithinTheImage(const PipelineConfig& config, const StereoCalibration& calibration) {
-  const auto [width, height] = RectifiedSize(calibration, config.rectifier);
+  const auto [width, height] = RectifiedSize(Scaled(calibration, config.image_scale), config.rectifier);
   const DisparityConfig& stereo = config.stereo;
   for (const auto& [side, start, length_name, length, size] :
        {std::tuple{"left", stereo.roi_left_px, "width", stereo.roi_width_px, width},

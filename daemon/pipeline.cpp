@@ -34,7 +34,7 @@ std::vector<std::string> FlowConfig::Problems() const {
 Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibration,
                    const cv::Mat1b& self_mask, Pace pace)
     : config_(config),
-      rectifier_(calibration, config.rectifier),
+      rectifier_(Scaled(calibration, config.image_scale), config.rectifier),
       mounting_(MountingOf(config.mounting, calibration, rectifier_.R_rect_raw())),
       self_mask_(self_mask),
       matcher_(MatcherFor(config.stereo, rectifier_.camera())),
@@ -44,6 +44,10 @@ Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibr
       disparity_priors_(config.flow.feedback_lag_frames, pace == Pace::kEveryFrame) {
   TERRACE_CHECK(self_mask.empty() || (self_mask.cols == camera().width && self_mask.rows == camera().height),
                 self_mask.cols, self_mask.rows);
+  if (config.image_scale.scale != 1.0)
+    spdlog::info("camera.scale: {} makes {}x{} of {}x{} pixels, with a focal length of {:.1f} px",
+                 config.image_scale.scale, camera().width, camera().height, calibration.width,
+                 calibration.height, camera().fx);
 }
 
 FrameResult Pipeline::Process(const SensorFrame& sensors,
@@ -58,7 +62,10 @@ FrameResult Pipeline::Process(const SensorFrame& sensors,
 StereoFramePtr Pipeline::Rectify(const SensorFrame& sensors) {
   if (!sensors.pair.problem.empty()) return nullptr;
   const StageMeasurement measuring(&meters_, StageId::kRectify);
-  return std::make_shared<const StereoFrame>(rectifier_.Rectify(sensors.frame_id, sensors.pair));
+  const ImageScaleConfig& scale = config_.image_scale;
+  return std::make_shared<const StereoFrame>(
+      scale.scale == 1.0 ? rectifier_.Rectify(sensors.frame_id, sensors.pair)
+                         : rectifier_.Rectify(sensors.frame_id, Scaled(sensors.pair, scale)));
 }
 
 std::shared_ptr<const DisparityImage> Pipeline::Match(const StereoFramePtr& frame) {

@@ -6,6 +6,7 @@
 #include "odometry/mounting.h"
 #include "odometry/odometry_config.h"
 #include "stereo/disparity_matcher.h"
+#include "stereo/image_scale.h"
 #include "stereo/rectifier.h"
 #include "terrain/terrain_config.h"
 
@@ -14,6 +15,7 @@ namespace terrace {
 /// The settings of every stage.
 struct PipelineConfig {
   FlowConfig flow;
+  ImageScaleConfig image_scale;
   MountingConfig mounting;
   RectifierConfig rectifier;
   DisparityConfig stereo;

@@ -134,9 +134,10 @@ void ResultWriter::WriteDisparity(const DisparityImage& disparity) const {
   for (int row = 0; row < px.rows; ++row) {
     for (int col = 0; col < px.cols; ++col, ++i) {
       const float value = px(row, col);
-      // 0 is the unknown, so that the smallest known disparity is 1/256.
-      if (std::isfinite(value))
-        image.data[i] = static_cast<std::uint16_t>(std::clamp(std::lround(value * 256.0F), 1L, 65535L));
+      if (!std::isfinite(value)) continue;
+      // 0 is the unknown, so that the smallest known disparity is 1/256; what has no room is left unknown.
+      const long sample = std::max(std::lround(value * 256.0F), 1L);
+      if (sample <= 65535) image.data[i] = static_cast<std::uint16_t>(sample);
     }
   }
   WritePng(dir_ / "disparity" / (std::to_string(disparity.t_capture.ns) + ".png"), image);

@@ -12,6 +12,7 @@
 #include "core/plane_rings.h"
 #include "daemon/config.h"
 #include "datasets/image_file.h"
+#include "stereo/image_scale.h"
 #include "stereo/rectifier.h"
 
 namespace terrace {
@@ -168,6 +169,7 @@ void HideParts(const SelfMaskConfig& parts, const StereoCamera& camera, const Ei
 
 namespace {
 
+/// @param calibration  of the images as they are worked on
 cv::Mat1b MakeSelfMask(const PipelineConfig& config, const StereoCalibration& calibration) {
   const std::string& png = config.terrain.robot.self_mask_png;
   const SelfMaskConfig& parts = config.self_mask;
@@ -200,7 +202,7 @@ cv::Mat1b MakeSelfMask(const PipelineConfig& config, const StereoCalibration& ca
 }  // namespace
 
 cv::Mat1b LoadSelfMask(const PipelineConfig& config, const StereoCalibration& calibration) {
-  cv::Mat1b mask = MakeSelfMask(config, calibration);
+  cv::Mat1b mask = MakeSelfMask(config, Scaled(calibration, config.image_scale));
   constexpr double kLeastSeen = 0.02;
   const auto num_pixels = static_cast<double>(mask.total());
   if (!mask.empty() && cv::countNonZero(mask) < kLeastSeen * num_pixels) {

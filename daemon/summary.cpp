@@ -22,9 +22,11 @@ void PrintDrift(const std::filesystem::path& sequence, const std::filesystem::pa
   try {
     const std::vector<TimedPose> truth =
         TrueLeftPoses(LoadTrueTrajectory(sequence), ReadCameraFile(output / "camera.json"));
-    const std::vector<PosePair> pairs = MatchPoses(ReadTrajectoryFile(output / "trajectory.tum"), truth);
+    const std::vector<ResultPose> poses = ReadTrajectoryFile(output / "trajectory.tum");
+    const std::vector<PosePair> pairs = MatchPoses(poses, truth);
     if (pairs.empty()) {
-      std::printf("drift        not measured: no pose has a true one within 2 ms\n");
+      std::printf("drift        not measured: %s\n",
+                  poses.empty() ? "no frame was tracked" : WhyNoneMatches(poses, truth).c_str());
       return;
     }
     const TrajectoryEvaluation drift = EvaluateTrajectory(pairs, {}, static_cast<std::int64_t>(truth.size()),

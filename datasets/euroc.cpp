@@ -15,6 +15,7 @@
 #include "datasets/frame_times.h"
 #include "datasets/ground_truth.h"
 #include "datasets/text_table.h"
+#include "datasets/yaml_value.h"
 
 namespace terrace {
 namespace {
@@ -47,6 +48,8 @@ class SensorFile {
     }
     readable_ = root_.IsMap();
     if (!readable_) Say("must be a YAML map");
+    if (const std::string key = ContradictedKey(root_); !key.empty())
+      Say("'" + key + "' comes twice, with different values");
   }
 
   bool readable() const { return readable_; }

@@ -41,6 +41,7 @@ FolderSequence::FolderSequence(SequenceInfo info, std::vector<FolderFrame> frame
   std::vector<Timestamp> times;
   for (const FolderFrame& frame : frames_) times.push_back(frame.t_capture);
   if (const auto sentence = StrangeRate(times)) info_.warnings.push_back(*sentence);
+  if (const auto sentence = OtherClockOfImu(times, samples_.imu)) info_.warnings.push_back(*sentence);
   CheckImageSizes();
 }
 

@@ -76,4 +76,17 @@ std::optional<std::string> StrangeRate(const std::vector<Timestamp>& times) {
   return Printed("%.3g frames a second: the time stamps cannot be right", rate_hz);
 }
 
+std::optional<std::string> OtherClockOfImu(const std::vector<Timestamp>& image_times,
+                                           const std::vector<ImuSample>& samples) {
+  if (image_times.empty() || samples.empty()) return std::nullopt;
+  if (samples.front().t <= image_times.back() && samples.back().t >= image_times.front()) return std::nullopt;
+  const auto seconds = [](Timestamp t) { return 1e-9 * static_cast<double>(t.ns); };
+  return Printed(
+      "the IMU has samples of %.3f to %.3f s, the images are of %.3f to %.3f s: its clock, or the unit of "
+      "its "
+      "time stamps, is another one, and it is of no use",
+      seconds(samples.front().t), seconds(samples.back().t), seconds(image_times.front()),
+      seconds(image_times.back()));
+}
+
 }  // namespace terrace

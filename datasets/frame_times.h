@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sensor_frame.h"
 #include "core/time.h"
 
 namespace terrace {
@@ -47,5 +48,9 @@ std::optional<std::string> SentenceAbout(const std::vector<ClockOffset>& offsets
 /// Time stamps in another unit show by the frame rate: a sentence with the factor; none: the rate is one of
 /// cameras. @param times  ascending
 std::optional<std::string> StrangeRate(const std::vector<Timestamp>& times);
+
+/// An IMU that has no sample while there are images is of another clock: a sentence with both times.
+std::optional<std::string> OtherClockOfImu(const std::vector<Timestamp>& image_times,
+                                           const std::vector<ImuSample>& samples);
 
 }  // namespace terrace

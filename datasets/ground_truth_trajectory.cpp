@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/file_bytes.h"
+#include "core/print.h"
 #include "datasets/ground_truth.h"
 #include "datasets/kitti.h"
 #include "datasets/lcm_log.h"
@@ -46,6 +47,20 @@ std::optional<Timestamp> ParseSeconds(std::string_view cell) {
   return Timestamp{*seconds * 1'000'000'000 + *ParseInt64(decimals)};
 }
 
+/// What a number that is no time in seconds may be; empty: nobody knows.
+std::string WhyNoSeconds(const std::string& cell) {
+  if (cell.find_first_of("eE") != std::string::npos && ParseDouble(cell))
+    return "; " + cell + " is a rounded time: write all its digits, as numpy.savetxt does with fmt='%.9f'";
+  const std::optional<std::int64_t> number = ParseInt64(std::string_view(cell).substr(0, cell.find('.')));
+  constexpr double kYear2001_s = 1e9, kYear2255_s = 9e9;
+  for (const double factor : {1e-3, 1e-6, 1e-9}) {
+    const double seconds = number ? factor * static_cast<double>(*number) : 0.0;
+    if (seconds >= kYear2001_s && seconds <= kYear2255_s)
+      return Printed("; with the factor %g %s would be one", factor, cell.c_str());
+  }
+  return "";
+}
+
 std::vector<TimedPose> Rising(Table<TimedPose> table) {
   if (!table.problem.empty()) throw FileError(table.problem);
   OrderByTime(&table.rows, [](const TimedPose& pose) { return pose.t; });
@@ -64,14 +79,18 @@ TrueTrajectory LoadBodyStates(const fs::path& csv) {
 }
 
 TrueTrajectory LoadTumPoses(const fs::path& txt, TruthFrame frame) {
-  const auto parse = [](std::span<const std::string_view> cells) -> std::optional<TimedPose> {
+  std::string why_not;
+  const auto parse = [&](std::span<const std::string_view> cells) -> std::optional<TimedPose> {
     const std::optional<Timestamp> t = cells.empty() ? std::nullopt : ParseSeconds(cells[0]);
     const auto v = ParseDoubles(cells, 1, 7);
+    if (!t && v && why_not.empty()) why_not = WhyNoSeconds(std::string(cells[0]));
     if (!t || !v) return std::nullopt;
     return PoseOf(*t, {(*v)[0], (*v)[1], (*v)[2]}, {(*v)[6], (*v)[3], (*v)[4], (*v)[5]});
   };
-  return {frame,
-          Rising(ReadTable<TimedPose>(txt, ' ', "a time [s], position and quaternion x y z w", parse))};
+  Table<TimedPose> table =
+      ReadTable<TimedPose>(txt, ' ', "a time [s], position and quaternion x y z w", parse);
+  if (!table.problem.empty()) table.problem += why_not;
+  return {frame, Rising(std::move(table))};
 }
 
 TrueTrajectory LoadKittiPoses(const fs::path& sequence) {

@@ -173,11 +173,12 @@ class LcmLogSequence : public Sequence {
     LogContents contents = LogScanner(path, channels).Scan();
     if (contents.pairs.empty()) {
       throw SequenceError(path.string() + ": holds no stereo pairs, which must be images_t on " +
-                          channels.images + "; its channels: " + Listed(contents.channels));
+                          channels.images + " (channels.images); its channels: " + Listed(contents.channels));
     }
     if (!contents.calibration) {
       throw SequenceError(path.string() + ": holds no calibration, which must be calibration_v1_t on " +
-                          channels.calibration + "; its channels: " + Listed(contents.channels));
+                          channels.calibration +
+                          " (channels.calibration); its channels: " + Listed(contents.channels));
     }
     pairs_ = std::move(contents.pairs);
     samples_ = std::move(contents.samples);
@@ -211,7 +212,8 @@ class LcmLogSequence : public Sequence {
     }
     times.clear();
     for (const PairEntry& pair : pairs_) times.push_back(pair.t);
-    if (const auto sentence = StrangeRate(times)) info_.warnings.push_back(path.string() + ": " + *sentence);
+    for (const auto& sentence : {StrangeRate(times), OtherClockOfImu(times, samples_.imu)})
+      if (sentence) info_.warnings.push_back(path.string() + ": " + *sentence);
     CheckCalibration();
   }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <Eigen/SVD>
 
@@ -114,12 +115,29 @@ std::optional<Eigen::Isometry3d> PoseFrom(const Eigen::Matrix3d& R, const Eigen:
   return pose;
 }
 
+std::string ContradictedKey(const YAML::Node& node) {
+  std::map<std::string, YAML::Node> values;
+  for (const auto& item : node) {
+    const YAML::Node value = node.IsMap() ? item.second : YAML::Node(item);
+    if (node.IsMap()) {
+      const std::string key = item.first.as<std::string>("");
+      const auto [before, is_new] = values.emplace(key, value);
+      if (!is_new && YAML::Dump(before->second) != YAML::Dump(value)) return key;
+    }
+    if (std::string key = ContradictedKey(value); !key.empty()) return key;
+  }
+  return "";
+}
+
 YamlValue ParseYaml(std::string text, const std::string& where) {
   if (text.rfind("%YAML", 0) == 0) text.erase(0, text.find('\n'));
   // YAML forbids the tabs that JSON allows.
   std::replace(text.begin(), text.end(), '\t', ' ');
   try {
-    return {YAML::Load(text), where};
+    const YAML::Node root = YAML::Load(text);
+    if (const std::string key = ContradictedKey(root); !key.empty())
+      throw FileError(where + ": '" + key + "' comes twice, with different values");
+    return {root, where};
   } catch (const YAML::Exception& error) {
     throw FileError(where + ": not valid YAML: " + error.what());
   }

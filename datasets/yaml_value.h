@@ -57,6 +57,10 @@ class YamlValue {
 /// when it is no rotation.
 std::optional<Eigen::Isometry3d> PoseFrom(const Eigen::Matrix3d& R, const Eigen::Vector3d& t);
 
+/// The first key that stands twice in one map, with values that are not the same: which of them is meant
+/// nobody can know. Empty: none does.
+std::string ContradictedKey(const YAML::Node& node);
+
 /// A whole YAML or JSON text; OpenCV's heading is forgiven. Throws FileError.
 YamlValue ParseYaml(std::string text, const std::string& where);
 

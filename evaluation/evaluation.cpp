@@ -144,11 +144,10 @@ Evaluation EvaluateResult(const fs::path& result_folder, const fs::path& sequenc
                            result.stats.frames + result.stats.dropped);
     if (pairs.empty()) {
       evaluation.trajectory.reset();
-      evaluation.notes.push_back(
-          result.trajectory.empty()
-              ? "trajectory: not measured, for the result has no poses"
-              : "trajectory: not measured, for no pose has a true one within 2 ms: is the "
-                "truth in another unit of time?");
+      evaluation.notes.push_back(result.trajectory.empty()
+                                     ? "trajectory: not measured, for the result has no poses"
+                                     : "trajectory: not measured, for " +
+                                           WhyNoneMatches(result.trajectory, true_left));
     }
     if (!worlds.empty()) pairs = worlds.back();
   } else {

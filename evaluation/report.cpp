@@ -242,7 +242,7 @@ void AddTime(const Evaluation& evaluation, std::string* html) {
 
 }  // namespace
 
-std::string ToReport(const Evaluation& evaluation) {
+std::string ToReport(const Evaluation& evaluation, const std::string& view) {
   const std::string name = EscapeMarkup(std::filesystem::absolute(evaluation.sequence).filename().string());
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
@@ -250,6 +250,10 @@ std::string ToReport(const Evaluation& evaluation) {
       name + "</title><style>" + kStyleSheet + "</style></head><body>\n<h1>" + name +
       "</h1>\n<p class=\"source\">" + EscapeMarkup(evaluation.result.string()) + " against " +
       EscapeMarkup(evaluation.sequence.string()) + "</p>\n";
+  if (!view.empty()) {
+    html +=
+        "<p><a href=\"" + EscapeMarkup(view) + "\">Look around</a> in the map, with the truth over it.</p>\n";
+  }
   AddTiles(evaluation, &html);
   for (const std::string& note : evaluation.notes) html += "<p>Note: " + EscapeMarkup(note) + "</p>\n";
   if (evaluation.trajectory && !evaluation.trajectory->samples.empty())

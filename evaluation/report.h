@@ -8,6 +8,7 @@
 namespace terrace {
 
 /// The file report.html: one page with every plot inside, readable without a network.
-std::string ToReport(const Evaluation& evaluation);
+/// @param view  file name beside it of a page to look around in; empty: there is none
+std::string ToReport(const Evaluation& evaluation, const std::string& view = "");
 
 }  // namespace terrace

@@ -9,6 +9,7 @@
 
 #include "core/angles.h"
 #include "core/file_bytes.h"
+#include "core/print.h"
 #include "evaluation/statistics.h"
 
 namespace terrace {
@@ -177,6 +178,26 @@ std::vector<PosePair> MatchPoses(const std::vector<ResultPose>& result, const st
   return pairs;
 }
 
+std::string WhyNoneMatches(const std::vector<ResultPose>& result, const std::vector<TimedPose>& truth) {
+  const auto seconds = [](Timestamp t) { return 1e-9 * static_cast<double>(t.ns); };
+  const double result_begin_s = seconds(result.front().t_capture),
+               result_end_s = seconds(result.back().t_capture);
+  const double truth_begin_s = seconds(truth.front().t), truth_end_s = seconds(truth.back().t);
+  std::string text = Printed(
+      "no pose has a true one within 2 ms: the poses are of %.3f to %.3f s, the true ones of "
+      "%.3f to %.3f s",
+      result_begin_s, result_end_s, truth_begin_s, truth_end_s);
+  const bool overlap = truth_begin_s <= result_end_s && truth_end_s >= result_begin_s;
+  // Counted from a start of one's own, times near zero overlap in every unit.
+  for (const double factor : {1e3, 1e6, 1e9, 1e-3, 1e-6, 1e-9}) {
+    if (overlap || truth_begin_s <= 0.0) break;
+    if (factor * truth_begin_s > result_end_s || factor * truth_end_s < result_begin_s) continue;
+    text += Printed("; the true ones are in another unit, with the factor %g they would meet", factor);
+    break;
+  }
+  return text;
+}
+
 TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs,
                                         const std::vector<ResultFrame>& frames, std::int64_t num_truth,
                                         std::int64_t num_frames) {
@@ -191,6 +212,7 @@ TrajectoryEvaluation EvaluateTrajectory(const std::vector<PosePair>& pairs,
   if (pairs.empty()) return evaluation;
 
   const Eigen::Isometry3d T_by_positions = AlignByPositions(pairs);
+  evaluation.T_true_result = T_by_positions;
   const Eigen::Isometry3d T_by_first = AlignByFirstPose(pairs);
   const Eigen::Isometry3d T_by_orientations = AlignByOrientations(pairs);
   std::vector<double> errors_m, errors_from_first_m, rotation_errors_deg;

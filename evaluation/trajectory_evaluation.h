@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -57,6 +58,7 @@ struct TrajectoryEvaluation {
   SegmentError mean_of_all;            ///< over every piece of every length; length_m means nothing
   SegmentError mean_of_kitti;          ///< the same of 100 m and more, as the KITTI benchmark has it
   CovarianceCalibration covariance;
+  Eigen::Isometry3d T_true_result = Eigen::Isometry3d::Identity();  ///< by positions, as in `samples`
   std::vector<TrajectorySample> samples;
 
   /// Of this length; none when no piece was that long.
@@ -66,6 +68,9 @@ struct TrajectoryEvaluation {
 /// The true poses as those of the rectified left camera, by calibration alone: R_rect_raw and T_body_left of
 /// the result. Throws FileError when the truth is of a body whose camera is not known.
 std::vector<TimedPose> TrueLeftPoses(const TrueTrajectory& truth, const ResultCamera& camera);
+
+/// Why MatchPoses has found nothing: one sentence without a full stop. Both must hold poses.
+std::string WhyNoneMatches(const std::vector<ResultPose>& result, const std::vector<TimedPose>& truth);
 
 /// Every pose of the result with the nearest true one not more than 2 ms away.
 std::vector<PosePair> MatchPoses(const std::vector<ResultPose>& result, const std::vector<TimedPose>& truth);

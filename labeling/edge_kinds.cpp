@@ -12,6 +12,8 @@ namespace {
 
 /// Heights that differ by less are the same.
 constexpr double kSameHeight = 0.05;
+/// Farther away ground may end in the image because too little of it is matched.
+constexpr double kFarthestEnd = 3.0;
 /// By how much a walkable plane may rise or fall within kEdgeReach.
 constexpr double kPlaneSlack = 0.06;
 
@@ -129,7 +131,8 @@ std::vector<RegionEdge> EdgesOf(int i, const std::vector<RegionShapePtr>& shapes
     if (ground && shapes[j]->bounds.min().z() < self.bounds.max().z() - kMinDrop)
       lower.push_back(shapes[j].get());
   }
-  const auto beyond = [&](const Eigen::Vector3d& p, const Eigen::Vector2d& outward) {
+  const std::vector<bool>& seen_past = self.polygon->seen_past;
+  const auto beyond = [&](const Eigen::Vector3d& p, const Eigen::Vector2d& outward, std::size_t edge_index) {
     RegionEdge edge;
     for (const int j : beside) {
       if (edge.kind == EdgeKind::kRise && edge.step_m) break;  // nothing is stronger
@@ -137,7 +140,11 @@ std::vector<RegionEdge> EdgesOf(int i, const std::vector<RegionShapePtr>& shapes
                                    : RegionEdge{KindOfFaceEdge(*shapes[j], p), {}, {}});
     }
     const bool look_over = ground && (edge.kind == EdgeKind::kLimitOfView || edge.kind == EdgeKind::kDrop);
-    if (!look_over || edge.step_m || lower.empty()) return edge;
+    if (!look_over || edge.step_m) return edge;
+    // Where one looks past the ground it ends, however far down it goes there.
+    const bool is_near = (p - eye).norm() < kFarthestEnd;
+    if (is_near && edge_index < seen_past.size() && seen_past[edge_index]) edge.kind = EdgeKind::kDrop;
+    if (lower.empty()) return edge;
     return DropSeenOver(p, outward, eye, self, lower).value_or(edge);
   };
 
@@ -147,7 +154,7 @@ std::vector<RegionEdge> EdgesOf(int i, const std::vector<RegionShapePtr>& shapes
       const Eigen::Vector3d a = R_level_world * ring[k], b = R_level_world * ring[(k + 1) % ring.size()];
       // Outlines run counter-clockwise about the ground, holes clockwise: it lies on the left.
       const Eigen::Vector2d outward = -LeftOf((b - a).head<2>().normalized());
-      edges.push_back(InMillimetres(beyond(0.5 * (a + b), outward)));
+      edges.push_back(InMillimetres(beyond(0.5 * (a + b), outward, edges.size())));
     }
   };
   add(self.polygon->outline_world);

@@ -2,54 +2,14 @@
 #include "labeling/flight.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <map>
 #include <set>
 #include <utility>
 
+#include "labeling/flight_values.h"
+
 namespace terrace {
 namespace {
-
-/// The front of a tread is worse known than the place of a face.
-constexpr double kTreadEdgeWeight = 0.3;
-/// The top of a face is worse known than the height of a level piece. Its foot is hidden by the step in front
-/// where the eye is lower, so that its middle says less. An incline of strips, and a board seen from below,
-/// tell the height of the tread no better.
-constexpr double kFaceHeightWeight = 0.2;
-
-/// One value of a line y = a + b x; those of the second kind share an offset of their own that is not known.
-struct LineValue {
-  double x = 0.0;
-  double y = 0.0;
-  double weight = 0.0;
-  bool offset = false;
-};
-
-/// Least squares: a of the values without offset (none: of the others) and b; none when they do not tell b.
-std::optional<std::pair<double, double>> FitLine(const std::vector<LineValue>& values) {
-  double xx = 0.0, xy = 0.0;
-  std::array<Eigen::Vector2d, 2> middles{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
-  std::array<double, 2> weights{0.0, 0.0};
-  for (const bool offset : {false, true}) {
-    for (const LineValue& v : values) {
-      if (v.offset != offset) continue;
-      weights[offset] += v.weight;
-      middles[offset] += v.weight * Eigen::Vector2d(v.x, v.y);
-    }
-    if (weights[offset] <= 0.0) continue;
-    middles[offset] /= weights[offset];
-    for (const LineValue& v : values) {
-      if (v.offset != offset) continue;
-      const double dx = v.x - middles[offset].x();
-      xx += v.weight * dx * dx;
-      xy += v.weight * dx * (v.y - middles[offset].y());
-    }
-  }
-  if (xx < 1e-9) return std::nullopt;
-  const Eigen::Vector2d& middle = weights[0] > 0.0 ? middles[0] : middles[1];
-  return std::pair(middle.y() - xy / xx * middle.x(), xy / xx);
-}
 
 /// A few are cut off by the limit of view, and a few run on beside the stairs: the middle one of the ends.
 Interval MiddleOf(std::vector<Interval> widths) {
@@ -66,34 +26,19 @@ Interval MiddleOf(std::vector<Interval> widths) {
 
 /// The stride on which the fitted elements agree best; none when they do not determine it.
 std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepFit>& fits) {
-  // The same weight for every step, whatever the number of its fragments.
-  std::map<std::pair<int, bool>, double> area;
-  for (const StepFit& fit : fits)
-    area[{fit.step_index, flight.elements[fit.element].riser}] += flight.elements[fit.element].area_m2;
-  std::vector<LineValue> heights, edges;
   // Of a face both ends are seen from afar, of a tread often only a part.
   std::vector<Interval> widths;
   const bool any_riser = std::any_of(fits.begin(), fits.end(),
                                      [&](const StepFit& fit) { return flight.elements[fit.element].riser; });
   for (const StepFit& fit : fits) {
     const StepElement& e = flight.elements[fit.element];
-    const double weight = e.area_m2 / std::max(1e-9, area[{fit.step_index, e.riser}]);
-    const double along = flight.frame->Unwrapped(e.along.low, flight.stride.EdgeAt(fit.step_index));
-    if (e.riser) {
-      heights.push_back({static_cast<double>(fit.step_index), e.heights.high, kFaceHeightWeight * weight});
-      edges.push_back({fit.step_index - 1.0, along, weight});
-    } else {
-      heights.push_back({static_cast<double>(fit.step_index), e.z,
-                         (e.RoughHeight() ? kFaceHeightWeight : 1.0) * weight, e.underside});
-      edges.push_back({fit.step_index - 1.0, along, kTreadEdgeWeight * weight});
-    }
-    if (e.riser == any_riser) widths.push_back(e.lateral);
+    if (e.riser == any_riser && !e.landing) widths.push_back(e.lateral);
   }
-  for (const LevelHeight& end : flight.ends) heights.push_back({static_cast<double>(end.level), end.z, 1.0});
-  const auto z = FitLine(heights);
-  const auto along = FitLine(edges);
+  if (widths.empty()) return std::nullopt;
+  const auto z = FitLine(StepHeights(flight, fits));
+  const auto along = FitLine(StepPlaces(flight, fits));
   if (!z || !along) return std::nullopt;
-  return Stride{along->first, along->second, z->first, z->second, MiddleOf(std::move(widths))};
+  return Stride{along->at_zero, along->slope, z->at_zero, z->slope, MiddleOf(std::move(widths))};
 }
 
 }  // namespace
@@ -115,8 +60,9 @@ void RefineFlight(const StaircaseConfig& config, Flight& flight) {
 void RefineWithin(const StaircaseConfig& config, int first, int last, int last_tread, Flight& flight) {
   std::set<int> inside;
   for (const StepFit& fit : flight.fits) {
-    const bool riser = flight.elements[fit.element].riser;
-    if (fit.step_index >= first && fit.step_index <= (riser ? last : last_tread)) inside.insert(fit.element);
+    const StepElement& e = flight.elements[fit.element];
+    const bool fits = fit.step_index <= (e.riser || e.landing ? last : last_tread);
+    if (fit.step_index >= first && fits && (!e.landing || fit.step_index == last)) inside.insert(fit.element);
   }
   Flight within = flight;
   within.elements.clear();
@@ -137,7 +83,8 @@ std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::ve
   for (const StepFit& fit : flight.fits) {
     const StepElement& e = flight.elements[fit.element];
     const RegionShape& s = *shapes[e.shape];
-    members.push_back({e.shape, e.riser, false, e.leaning, e.underside});
+    members.push_back(e);
+    if (e.landing) continue;
     if (e.riser) {
       risers -= s.area_m2 * s.front();
     } else if (e.leaning) {
@@ -161,14 +108,16 @@ std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::ve
     const auto fit = std::find_if(flight.fits.begin(), flight.fits.end(), [&](const StepFit& f) {
       return flight.elements[f.element].shape == e.shape;
     });
-    const double trust = e.riser ? 1.0 : kTreadEdgeWeight;
+    const double trust = 1.0 / (e.front_sigma_m * e.front_sigma_m);
     feet += trust * (e.along.low - (fit->step_index - 1) * flight.stride.run);
     weight += trust;
+    if (e.landing) continue;
     lateral = {std::min(lateral.low, e.lateral.low), std::max(lateral.high, e.lateral.high)};
   }
-  if (weight <= 0.0) return std::nullopt;
+  if (weight <= 0.0 || lateral.length() <= 0.0) return std::nullopt;
   turned.stride.along0 = feet / weight;
   turned.stride.lateral = lateral;
+  MeasureLandings(shapes, *turned.frame, lateral, turned.elements);
   RefineFlight(config, turned);
   return turned;
 }

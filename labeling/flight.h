@@ -15,6 +15,7 @@ namespace terrace {
 struct LevelHeight {
   int level = 0;  ///< 0: at the foot of step 1
   double z = 0.0;
+  double sigma_m = 0.0;
 };
 
 /// One hypothesis of a flight with everything that obeys it.

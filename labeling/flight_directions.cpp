@@ -67,7 +67,7 @@ void AddAxesOfRisers(const StaircaseConfig& config, const std::vector<RegionShap
 void AddAxesOfTreads(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,
                      const std::vector<StepCandidate>& candidates, AxisList& axes) {
   for (const StepCandidate& c : candidates) {
-    if (c.riser) continue;
+    if (c.riser || c.landing) continue;
     const PlanRing& ring = shapes[c.shape]->plan.front();
     std::vector<std::pair<double, std::size_t>> sides;  // minus length, index
     for (std::size_t i = 0; i < ring.size(); ++i)

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "core/angles.h"
+#include "labeling/flight_values.h"
+#include "labeling/slope_evidence.h"
 
 namespace terrace {
 namespace {
@@ -75,23 +77,54 @@ std::vector<LevelBeside> LevelsBeside(const StaircaseConfig& config,
 
 /// So many levels from its lowest step on the rise is known well enough to tell one from the next.
 int LevelsKnown(const Flight& flight) {
-  constexpr double kLevelSigma = 0.006;  // of the height of a step
   constexpr double kShareOfRise = 0.3;
   constexpr int kMost = 12;
-  double n = 0.0, k1 = 0.0, k2 = 0.0;
-  const auto add = [&](double k) {
-    n += 1.0;
-    k1 += k;
-    k2 += k * k;
-  };
-  std::set<int> levels;
-  for (const StepFit& fit : flight.fits) levels.insert(fit.step_index);
-  for (const LevelHeight& end : flight.ends) levels.insert(end.level);
-  for (const int level : levels) add(level);
-  const double spread = k2 - k1 * k1 / std::max(1.0, n);
-  if (spread <= 0.0) return 1;
-  const double rise_sigma = kLevelSigma / std::sqrt(spread);
-  return std::clamp(static_cast<int>(kShareOfRise * flight.stride.rise / rise_sigma), 1, kMost);
+  const std::optional<LineFit> heights = FitLine(StepHeights(flight, flight.fits));
+  if (!heights) return 1;
+  return std::clamp(static_cast<int>(kShareOfRise * flight.stride.rise / heights->slope_sigma), 1, kMost);
+}
+
+/// The last riser of a flight whose landing stands on a block: a face in the place of a riser that ends at
+/// the height of its level and reaches deeper than a riser does. Of one that goes on higher it would be a
+/// wall.
+std::optional<int> LastRiserOfBlock(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,
+                                    const Flight& flight, int highest) {
+  constexpr double kDeeper = 1.3;  // of the rise
+  constexpr double kAcross = 0.6;  // of the width of the flight
+  const Stride& stride = flight.stride;
+  const double min_cos = std::cos(Radians(config.max_turn_deg));
+  for (const int k : {highest, highest + 1}) {
+    const double top = stride.z0 + k * stride.rise;
+    for (const RegionShapePtr& shape : shapes) {
+      if (shape->lean != Lean::kUpright || shape->face_heights.length() < kDeeper * stride.rise) continue;
+      if (std::abs(shape->face_heights.high - top) > config.HeightTolerance(stride.rise)) continue;
+      if (-shape->front().dot(flight.frame->UpAt(shape->rectangle.center)) < min_cos) continue;
+      const Interval lateral = flight.frame->LateralExtent(*shape);
+      if (lateral.Overlap(stride.lateral) < kAcross * stride.lateral.length()) continue;
+      const double along = flight.frame->AlongExtent(*shape, lateral).middle();
+      if (std::abs(flight.frame->Unwrapped(along, stride.EdgeAt(k)) - stride.EdgeAt(k)) <=
+          config.edge_tolerance_m)
+        return k;
+    }
+  }
+  return std::nullopt;
+}
+
+/// True when a face of the flight lies in an incline that goes on as its steps do, and is no plane.
+bool MergedIntoIncline(const StaircaseConfig& config, const std::vector<RegionShapePtr>& shapes,
+                       const Flight& flight, int k) {
+  constexpr double kAlike_rad = 0.2;
+  constexpr double kWithin = 0.6;  // of the rise
+  const Stride& stride = flight.stride;
+  const Eigen::Vector2d p = flight.frame->PointAt(stride.EdgeAt(k), stride.lateral.middle());
+  const double z = stride.z0 + (k - 0.5) * stride.rise;
+  const double pitch_rad = std::atan2(stride.rise, stride.run);
+  const double min_cos = std::cos(Radians(config.max_turn_deg));
+  return std::any_of(shapes.begin(), shapes.end(), [&](const RegionShapePtr& shape) {
+    return std::abs(shape->slope_rad - pitch_rad) < kAlike_rad && DepartsFromPlane(*shape, config) &&
+           -shape->plane.normal.head<2>().normalized().dot(flight.frame->UpAt(p)) >= min_cos &&
+           shape->PlanDistance(p) <= 0.0 && std::abs(shape->HeightAt(p) - z) < kWithin * stride.rise;
+  });
 }
 
 }  // namespace
@@ -127,11 +160,14 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
   int lowest = std::numeric_limits<int>::max();
   int highest = std::numeric_limits<int>::min();
   for (const StepFit& fit : flight.fits) {
+    if (flight.elements[fit.element].landing) continue;
     lowest = std::min(lowest, fit.step_index);
     highest = std::max(highest, fit.step_index);
   }
+  if (highest < lowest) return {};
   const bool highest_is_tread = std::any_of(flight.fits.begin(), flight.fits.end(), [&](const StepFit& fit) {
-    return fit.step_index == highest && !flight.elements[fit.element].riser;
+    const StepElement& e = flight.elements[fit.element];
+    return fit.step_index == highest && !e.riser && !e.landing;
   });
 
   const int most_away = LevelsKnown(flight);
@@ -152,7 +188,7 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
     if (level >= highest - 1 && level <= highest + 1 && before > -slack && before < stride.run &&
         along.length() > long_enough && along.high > edge + long_enough && std::abs(before) < head_gap) {
       head_gap = std::abs(before);
-      head = LevelHeight{level, z};
+      head = LevelHeight{level, z, LevelHeightSigma(*shapes[shape])};
       ends.head_shape = shape;
     }
     // A floor that is long before the flight may go on beneath open steps.
@@ -162,13 +198,16 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
         behind < 4.0 * stride.run && (at_feet || along.low < edge - 0.1 * stride.run) &&
         to_flight < foot_gap) {
       foot_gap = to_flight;
-      foot = LevelHeight{level, z};
+      foot = LevelHeight{level, z, LevelHeightSigma(*shapes[shape])};
       ends.foot_shape = shape;
     }
   }
   ends.first_step = foot ? foot->level + 1 : lowest;
-  ends.last_step = head ? head->level : highest;
-  ends.ends_with_tread = !head && highest_is_tread;
+  const std::optional<int> block = head ? std::nullopt : LastRiserOfBlock(config, shapes, flight, highest);
+  ends.last_step = head ? head->level : block.value_or(highest);
+  ends.ends_with_tread = !head && !block && highest_is_tread;
+  if (!head && !block)
+    while (MergedIntoIncline(config, shapes, flight, ends.last_step + ends.num_merged + 1)) ++ends.num_merged;
   if (foot) ends.heights.push_back(*foot);
   if (head) ends.heights.push_back(*head);
   return ends;

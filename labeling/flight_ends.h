@@ -16,6 +16,7 @@ struct FlightEnds {
   int first_step = 0;                ///< counted as the flight's fits count
   int last_step = 0;
   bool ends_with_tread = false;  ///< a tread lies above the last riser, not a landing
+  int num_merged = 0;            ///< steps above the last one that have merged into one incline from afar
 
   int num_risers() const { return last_step - first_step + 1; }
   int num_treads() const { return ends_with_tread ? num_risers() : num_risers() - 1; }

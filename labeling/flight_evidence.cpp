@@ -7,35 +7,13 @@
 #include <set>
 #include <utility>
 
+#include "labeling/flight_values.h"
+
 namespace terrace {
 namespace {
 
 /// A step that a staircase has: its number, and whether it is the riser.
 using StepKey = std::pair<int, bool>;
-
-/// How values scatter about a line that was fitted to them, each with a standard deviation of its own.
-class LineScatter {
- public:
-  /// @param share  of the fragments of one step, which count as one value together
-  void Add(double x, double departure, double sigma, double share) {
-    const double w = share / (sigma * sigma);
-    w_ += w;
-    wx_ += w * x;
-    wxx_ += w * x * x;
-    chi2_ += share * std::pow(departure / sigma, 2);
-    num_ += share;
-  }
-  /// Mean square of the departures in standard deviations. The line has two numbers; a few values scatter by
-  /// chance, so that two are counted which scatter as was known beforehand.
-  double reduced_chi2() const { return (chi2_ + 2.0) / std::max(1.0, num_); }
-  double SlopeSigma() const {
-    const double spread = wxx_ - wx_ * wx_ / std::max(1e-12, w_);
-    return std::sqrt(std::max(1.0, reduced_chi2()) / std::max(1e-12, spread));
-  }
-
- private:
-  double w_ = 0.0, wx_ = 0.0, wxx_ = 0.0, chi2_ = 0.0, num_ = 0.0;
-};
 
 /// What the members of a flight say about it together.
 struct Evidence {
@@ -44,18 +22,12 @@ struct Evidence {
   int num_levels = 0;
   bool any_whole_face = false;  ///< that reaches over most of the rise: the front of a board does not
   bool any_underside = false;
-  bool faces_tile = false;  ///< at least two faces reach from one step to the next
+  bool faces_tile = false;  ///< faces of two neighbouring steps reach from one to the next
   bool sides_agree = false;
-  LineScatter z;      ///< heights over step indices
-  LineScatter along;  ///< places of the edges over step indices
+  bool landing_edge = false;     ///< the edge of the landing was seen from above
+  std::optional<LineFit> z;      ///< heights over step indices; none: they do not tell the rise
+  std::optional<LineFit> along;  ///< places of the edges over step indices
 };
-
-/// What single members are good for: the height of a tread; the top of a face, and what else tells a height
-/// only about; the place of a face; the front of a tread, which may be hidden.
-constexpr double kTreadHeightSigma = 0.006;
-constexpr double kRoughHeightSigma = 0.015;
-constexpr double kFacePlaceSigma = 0.010;
-constexpr double kTreadFrontSigma = 0.025;
 
 /// @param sides  of each step, all its fragments together
 bool SidesAgree(const std::map<StepKey, Interval>& sides) {
@@ -66,28 +38,23 @@ bool SidesAgree(const std::map<StepKey, Interval>& sides) {
   return true;
 }
 
-/// How well the front of a tread is known. Noise along its normal moves a point that is seen at a flat angle
-/// by so much more along the view.
-double TreadFrontSigma(const RegionShape& tread, const Eigen::Vector3d& eye) {
-  constexpr double kLeastAbove = 0.05;
-  const double above = std::max(kLeastAbove, std::abs(tread.plane.SignedDistance(eye)));
-  const double away = (tread.centroid - eye).head<2>().norm();
-  return std::hypot(kTreadFrontSigma, tread.polygon->noise_m * away / above);
-}
-
-Evidence Gather(const Flight& flight, const FlightEnds& ends, const std::vector<RegionShapePtr>& shapes,
-                const Eigen::Vector3d& eye) {
+Evidence Gather(const Flight& flight, const FlightEnds& ends) {
   const Stride& stride = flight.stride;
   Evidence evidence;
   std::set<int> levels, whole_faces;
-  std::map<StepKey, double> area;  // of all fragments of a step
-  for (const StepFit& fit : flight.fits)
-    area[{fit.step_index, flight.elements[fit.element].riser}] += flight.elements[fit.element].area_m2;
+  std::vector<StepFit> counted;
   std::map<StepKey, Interval> sides;
   for (const StepFit& fit : flight.fits) {
     const StepElement& e = flight.elements[fit.element];
     const int k = fit.step_index - ends.first_step + 1;
+    if (e.landing) {
+      if (k != ends.num_risers() || !ends.head_shape) continue;
+      counted.push_back(fit);
+      evidence.landing_edge = true;
+      continue;
+    }
     if (k < 1 || k > (e.riser ? ends.num_risers() : ends.num_treads())) continue;
+    counted.push_back(fit);
     // A wall that goes on beside and above its riser in one plane shows the riser, but is a wall.
     const double in_riser_m2 = e.lateral.Overlap(stride.lateral) * stride.rise;
     if (!e.riser || e.area_m2 <= 2.0 * in_riser_m2)
@@ -96,14 +63,6 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends, const std::vector<
     levels.insert(k);
     Interval& side = sides.try_emplace({k, e.riser}, e.lateral).first->second;
     side = {std::min(side.low, e.lateral.low), std::max(side.high, e.lateral.high)};
-    const double share = e.area_m2 / std::max(1e-9, area[{fit.step_index, e.riser}]);
-    const double edge = stride.EdgeAt(fit.step_index);
-    const double along = flight.frame->Unwrapped(e.along.low, edge) - edge;
-    const double level_z = e.riser ? e.heights.high : e.z;
-    evidence.z.Add(fit.step_index, level_z - stride.z0 - fit.step_index * stride.rise,
-                   e.RoughHeight() ? kRoughHeightSigma : kTreadHeightSigma, share);
-    evidence.along.Add(fit.step_index, along,
-                       e.riser ? kFacePlaceSigma : TreadFrontSigma(*shapes[e.shape], eye), share);
     if (e.riser) {
       // The step in front hides a part of a face from below, a strip of a neighbour makes it higher.
       const double whole = e.heights.length() / stride.rise;
@@ -111,13 +70,14 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends, const std::vector<
     }
     evidence.any_underside |= e.underside;
   }
-  for (const LevelHeight& end : flight.ends)
-    evidence.z.Add(end.level, end.z - stride.z0 - end.level * stride.rise, kTreadHeightSigma, 1.0);
+  evidence.z = FitLine(StepHeights(flight, counted));
+  evidence.along = FitLine(StepPlaces(flight, counted));
   std::sort(evidence.members.begin(), evidence.members.end(),
             [](const StepMember& a, const StepMember& b) { return a.shape < b.shape; });
   evidence.num_levels = static_cast<int>(levels.size());
   evidence.any_whole_face = !whole_faces.empty();
-  evidence.faces_tile = whole_faces.size() >= 2;
+  evidence.faces_tile =
+      std::any_of(whole_faces.begin(), whole_faces.end(), [&](int k) { return whole_faces.contains(k + 1); });
   evidence.sides_agree = SidesAgree(sides);
   return evidence;
 }
@@ -210,10 +170,10 @@ bool StandsFree(const FlightModel& model, int num_risers, const Sight& sight) {
 }
 
 /// Of a spiral the run is measured at the middle of the width, which is as well known as its ends are seen.
-double RunSigma(const Evidence& evidence, const FlightModel& model) {
+double RunSigma(double sigma_at_radius_m, const FlightModel& model) {
   constexpr double kMiddleSigma = 0.06;
-  const double at_radius = evidence.along.SlopeSigma();
-  return model.spiral ? std::hypot(at_radius, model.run_m / model.radius_m * kMiddleSigma) : at_radius;
+  return model.spiral ? std::hypot(sigma_at_radius_m, model.run_m / model.radius_m * kMiddleSigma)
+                      : sigma_at_radius_m;
 }
 
 /// True when most members are seen so well that what they say of a step can be relied on: noise moves them by
@@ -226,6 +186,22 @@ bool SeenSharply(const std::vector<StepMember>& members, const std::vector<Regio
   return 2 * num_sharp > static_cast<std::ptrdiff_t>(members.size());
 }
 
+/// One step is enough between the edge of a landing and the floor below, else it takes two.
+bool TellsALaw(const Evidence& evidence, const FlightEnds& ends) {
+  const int least = evidence.landing_edge && ends.foot_shape ? 1 : 2;
+  return !evidence.members.empty() && static_cast<int>(evidence.seen.size()) >= least &&
+         evidence.num_levels >= least && evidence.z && evidence.along;
+}
+
+FlightModel ModelOf(const Flight& flight, const FlightEnds& ends) {
+  const Stride& stride = flight.stride;
+  FlightModel model = flight.frame->ModelAt(stride.EdgeAt(ends.first_step), stride.lateral);
+  model.rise_m = stride.rise;
+  model.run_m = stride.run;
+  model.foot_z = stride.z0 + (ends.first_step - 1) * stride.rise;
+  return model;
+}
+
 }  // namespace
 
 std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
@@ -233,16 +209,12 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
                                           const FlightEnds& ends, const Sight& sight, bool known) {
   const Stride& stride = flight.stride;
   if (ends.num_risers() < 2 || ends.num_treads() < 1) return std::nullopt;
-  Evidence evidence = Gather(flight, ends, shapes, sight.eye());
+  Evidence evidence = Gather(flight, ends);
   const int num_steps = static_cast<int>(evidence.seen.size());
-  if (stride.lateral.length() < config.min_width_m || evidence.num_levels < 2) return std::nullopt;
-  if (evidence.members.empty() || num_steps < 2) return std::nullopt;
+  if (stride.lateral.length() < config.min_width_m || !TellsALaw(evidence, ends)) return std::nullopt;
 
   FoundStaircase found;
-  found.model = flight.frame->ModelAt(stride.EdgeAt(ends.first_step), stride.lateral);
-  found.model.rise_m = stride.rise;
-  found.model.run_m = stride.run;
-  found.model.foot_z = stride.z0 + (ends.first_step - 1) * stride.rise;
+  found.model = ModelOf(flight, ends);
   // From afar all steps are missed that are not seen: what hides and what blurs cannot be told apart.
   const bool sharp = SeenSharply(evidence.members, shapes, stride.rise);
   const std::size_t num_to_see = sharp ? StepsToBeSeen(found.model, ends, sight, evidence, shapes).size()
@@ -270,26 +242,22 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   const bool whole = ends.foot_shape && ends.head_shape && num_steps >= 3;
   if (ends.num_risers() == 2 && !whole && !few_that_agree && !stays) return std::nullopt;
 
-  found.num_risers = ends.num_risers();
-  found.num_treads = ends.num_treads();
+  found.num_risers = ends.num_risers() + ends.num_merged;
+  // What lies behind the last of the merged risers is not known.
+  found.num_treads = ends.num_merged > 0 ? found.num_risers - 1 : ends.num_treads();
   found.foot_shape = ends.foot_shape;
   found.head_shape = ends.head_shape;
-  found.evidence = {num_steps,
-                    static_cast<int>(num_to_see),
-                    sharp,
-                    evidence.faces_tile,
-                    evidence.sides_agree,
-                    std::sqrt(evidence.z.reduced_chi2()) * kTreadHeightSigma};
+  found.evidence = {num_steps,           static_cast<int>(num_to_see), sharp,
+                    evidence.faces_tile, evidence.sides_agree,         evidence.z->rms};
   found.members = std::move(evidence.members);
-  found.rise_sigma_m = evidence.z.SlopeSigma();
-  found.run_sigma_m = RunSigma(evidence, found.model);
+  found.rise_sigma_m = evidence.z->slope_sigma;
+  found.run_sigma_m = RunSigma(evidence.along->slope_sigma, found.model);
   // Told with a wrong run, feet would be set wrongly: better told later.
-  constexpr double kKnownWithin = 0.2;
+  constexpr double kKnownWithin = 0.25;
   if (!known && found.run_sigma_m > kKnownWithin * stride.run) return std::nullopt;
   const int num_agreeing = sharp ? num_agreements : 0;
   const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreeing - 1.0));
-  const double scatter2 = evidence.z.reduced_chi2() * std::pow(kTreadHeightSigma, 2);
-  const double good = std::exp(-0.25 * scatter2 / std::pow(config.HeightTolerance(stride.rise), 2));
+  const double good = std::exp(-0.25 * std::pow(evidence.z->rms / config.HeightTolerance(stride.rise), 2));
   found.confidence = std::clamp(enough * good * (0.6 + 0.4 * seen), 0.0, 1.0);
   if (found.confidence < (known ? 0.6 : 1.0) * config.min_confidence) return std::nullopt;
   return found;

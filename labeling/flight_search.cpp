@@ -24,8 +24,10 @@ class StrideContest {
       stride.along0 = edge_low;
       stride.z0 = low.riser ? low.z - 0.5 * stride.rise : low.z - stride.rise;
       if (!stride.Plausible(config_)) continue;
-      stride.lateral = {std::min(low.lateral.low, high.lateral.low),
-                        std::max(low.lateral.high, high.lateral.high)};
+      stride.lateral = low.lateral;
+      if (!high.landing)
+        stride.lateral = {std::min(low.lateral.low, high.lateral.low),
+                          std::max(low.lateral.high, high.lateral.high)};
       const double score = FitSteps(config_, frame_, stride, elements_, nullptr);
       if (score <= score_) continue;
       score_ = score;
@@ -57,10 +59,12 @@ std::optional<Flight> BestFlight(const StaircaseConfig& config, const std::vecto
   StrideContest contest(config, *frame, flight.elements);
   for (const StepElement& low : flight.elements) {
     for (const StepElement& high : flight.elements) {
-      if (low.riser != high.riser || high.z <= low.z) continue;
+      if (low.riser != high.riser || low.landing || high.z <= low.z) continue;
       if (low.lateral.Overlap(high.lateral) < 0.5 * config.min_width_m) continue;
-      contest.Propose(low, low.along.low, high, high.along.low);
-      if (low.riser) continue;
+      const double edge_high =
+          high.landing ? frame->AlongExtent(*shapes[high.shape], low.lateral).low : high.along.low;
+      contest.Propose(low, low.along.low, high, edge_high);
+      if (low.riser || high.landing) continue;
       // When the front of a tread is hidden its back may be seen.
       const double run = high.along.high - low.along.high;
       contest.Propose(low, low.along.high - run, high, low.along.high);
@@ -69,6 +73,7 @@ std::optional<Flight> BestFlight(const StaircaseConfig& config, const std::vecto
   if (!contest.best()) return std::nullopt;
   flight.stride = *contest.best();
   flight.score = contest.score();
+  MeasureLandings(shapes, *frame, flight.stride.lateral, flight.elements);
   RefineFlight(config, flight);
   return Turned(config, shapes, std::move(flight));
 }
@@ -79,6 +84,7 @@ std::optional<Flight> FollowFlight(const StaircaseConfig& config, const std::vec
   Flight flight;
   flight.frame = placed.frame;
   flight.elements = MeasureSteps(config, shapes, candidates, *placed.frame);
+  MeasureLandings(shapes, *placed.frame, placed.lateral, flight.elements);
   flight.stride = {placed.foot_along_m, known.run_m, known.foot_z, known.rise_m, placed.lateral};
   RefineFlight(config, flight);
   if (flight.fits.empty()) return std::nullopt;

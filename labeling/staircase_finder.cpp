@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "labeling/staircase_finder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -33,11 +34,18 @@ std::optional<FoundStaircase> Complete(const StaircaseConfig& config,
   return WeighFlight(config, shapes, *flight, ends, sight, known);
 }
 
+/// A flight that is known to be wider than what is found of it now still is.
+void WidenTo(const FlightModel& known, FlightModel& model) {
+  if (known.spiral || model.spiral) return;
+  const double shift = LeftOf(model.direction).dot(known.origin - model.origin);
+  model.lateral = {std::min(model.lateral.low, known.lateral.low + shift),
+                   std::max(model.lateral.high, known.lateral.high + shift)};
+}
+
 /// True when a shape lies among the steps of a flight or continues them to a side: at its place, and about as
 /// high as its law is there. What does is one of its steps, or a thing that lies on them, and no other
 /// flight.
-bool LiesWithin(const FoundStaircase& staircase, const RegionShape& shape) {
-  const FlightModel& model = staircase.model;
+bool LiesWithin(const FlightModel& model, int num_risers, const RegionShape& shape) {
   const PlacedFrame placed = FrameOf(model);
   const Interval lateral = placed.frame->LateralExtent(shape);
   constexpr double kMostGap_m = 0.1;
@@ -45,7 +53,7 @@ bool LiesWithin(const FoundStaircase& staircase, const RegionShape& shape) {
   const double step = (shape.centroid.z() - model.foot_z) / model.rise_m;
   const double edge = placed.foot_along_m + (step - 1.0) * model.run_m;
   const double along = placed.frame->Unwrapped(placed.frame->AlongExtent(shape, lateral).middle(), edge);
-  return step > 0.0 && step < staircase.num_risers + 0.5 && std::abs(along - edge) < 1.5 * model.run_m;
+  return step > 0.0 && step < num_risers + 0.5 && std::abs(along - edge) < 1.5 * model.run_m;
 }
 
 }  // namespace
@@ -53,13 +61,15 @@ bool LiesWithin(const FoundStaircase& staircase, const RegionShape& shape) {
 std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<RegionShapePtr>& shapes,
                                                   const std::vector<FlightModel>& known, const Sight& sight,
                                                   bool compete) const {
-  std::vector<StepCandidate> candidates = StepCandidates(config_, shapes);
+  std::vector<StepCandidate> candidates = StepCandidates(config_, shapes, sight.eye());
   std::vector<FoundStaircase> found;
-  const auto take = [&](FoundStaircase&& staircase) {
+  const auto take = [&](FoundStaircase&& staircase, const FlightModel* followed) {
+    FlightModel whole = staircase.model;
+    if (followed) WidenTo(*followed, whole);
     std::set<int> used;
     for (const StepMember& member : staircase.members) used.insert(member.shape);
     std::erase_if(candidates, [&](const StepCandidate& c) {
-      return used.contains(c.shape) || LiesWithin(staircase, *shapes[c.shape]);
+      return used.contains(c.shape) || LiesWithin(whole, staircase.num_risers, *shapes[c.shape]);
     });
     found.push_back(std::move(staircase));
   };
@@ -69,29 +79,32 @@ std::vector<FoundStaircase> StaircaseFinder::Find(const std::vector<RegionShapeP
     for (const FlightModel& model : known) {
       std::optional<FoundStaircase> staircase =
           Complete(config_, shapes, FollowFlight(config_, shapes, candidates, model), sight, true);
-      if (staircase) take(std::move(*staircase));
+      if (staircase) take(std::move(*staircase), &model);
     }
   }
   while (candidates.size() >= 2 && found.size() < kMaxFlights) {
     std::optional<FoundStaircase> best;
     double best_score = 0.0;
-    const auto consider = [&](std::optional<Flight> flight, bool is_known) {
+    const FlightModel* best_followed = nullptr;
+    const auto consider = [&](std::optional<Flight> flight, const FlightModel* followed) {
       // A flight that was there before stays unless another explains clearly more.
-      const double bonus = is_known ? 1.0 : 0.0;
+      const double bonus = followed ? 1.0 : 0.0;
       if (!flight || flight->score + bonus <= best_score) return;
       const double score = flight->score + bonus;
-      std::optional<FoundStaircase> staircase = Complete(config_, shapes, std::move(flight), sight, is_known);
+      std::optional<FoundStaircase> staircase =
+          Complete(config_, shapes, std::move(flight), sight, followed != nullptr);
       if (!staircase) return;
       best = std::move(staircase);
       best_score = score;
+      best_followed = followed;
     };
-    for (const FlightModel& model : known) consider(FollowFlight(config_, shapes, candidates, model), true);
+    for (const FlightModel& model : known) consider(FollowFlight(config_, shapes, candidates, model), &model);
     for (const FlightFramePtr& frame : StraightFrames(config_, shapes, candidates))
-      consider(BestFlight(config_, shapes, candidates, frame), false);
+      consider(BestFlight(config_, shapes, candidates, frame), nullptr);
     for (const FlightFramePtr& frame : SpiralFrames(config_, shapes, candidates))
-      consider(BestFlight(config_, shapes, candidates, frame), false);
+      consider(BestFlight(config_, shapes, candidates, frame), nullptr);
     if (!best) break;
-    take(std::move(*best));
+    take(std::move(*best), best_followed);
   }
   return found;
 }

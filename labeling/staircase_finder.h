@@ -24,7 +24,7 @@ struct StaircaseEvidence {
   int num_seen = 0;           ///< steps that obey its law, however many fragments each has
   int num_to_see = 0;         ///< steps that the camera could see from where it is
   bool seen_sharply = false;  ///< noise moves most of its members by little of a rise
-  bool faces_tile = false;    ///< at least two faces reach from one step to the next
+  bool faces_tile = false;    ///< faces of two neighbouring steps reach from one to the next
   bool sides_agree = false;
   double height_rms_m = 0.0;  ///< of the steps about the law
 };

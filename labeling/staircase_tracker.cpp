@@ -180,6 +180,14 @@ std::vector<FlightModel> StaircaseTracker::Models(const ShapeTable& table) {
   return models;
 }
 
+bool StaircaseTracker::contested() const {
+  return std::any_of(tracks_.begin(), tracks_.end(), [](const auto& entry) {
+    const Track& track = entry.second;
+    const bool more = track.num_other_count > 0 && track.other_count > track.staircase.found.num_risers;
+    return track.told && (track.num_other_law > 0 || more);
+  });
+}
+
 void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
   FoundStaircase& told = track.staircase.found;
   track.rests = false;

@@ -43,6 +43,10 @@ class StaircaseTracker {
   /// @param found  among the shapes of the table that are looked at; staircases elsewhere stay as they are
   void Update(const std::vector<FoundStaircase>& found, const ShapeTable& table);
 
+  /// True when the last update found another law, or more steps, where a flight is told: whether that is
+  /// right needs frames in a row.
+  bool contested() const;
+
   /// By id. No region is in two of them.
   const std::map<std::int64_t, TrackedStaircase>& confirmed() const { return confirmed_; }
   /// Those of them that may have changed with the last update, ascending by id; the others are as they were.

@@ -38,6 +38,11 @@ std::optional<StepFit> FitStep(const StaircaseConfig& config, const FlightFrame&
     // Rounded edges and strips of the neighbours: twice the tolerance at the ends of a face.
     const double beyond = std::max(z_low - e.heights.low, e.heights.high - z_high);
     strain = std::max(strain, 0.5 * beyond / height_tolerance);
+  } else if (e.underside || e.landing) {
+    // From below the front of a board is in view, whatever is seen of its back, and from above that of a
+    // landing.
+    strain =
+        std::max(std::abs(e.z - z_high) / height_tolerance, std::abs(low - edge) / config.edge_tolerance_m);
   } else {
     strain = std::abs(e.z - z_high) / height_tolerance;
     // What is hidden makes a tread shorter, never longer.

@@ -75,7 +75,7 @@ class TerrainLabeler::Impl {
     eye_ = T_level_left.translation();
     views_.Look(table_, T_level_left, update.t_capture);
     constexpr std::int64_t kCompetePeriod = 5;  // frames
-    const bool compete = num_frames_ % kCompetePeriod == 0;
+    const bool compete = num_frames_ % kCompetePeriod == 0 || tracker_.contested();
     const Sight sight{camera_, T_level_left, GroundUnder(pose)};
     tracker_.Update(finder_.Find(shapes, tracker_.Models(table_), sight, compete), table_);
     stair_regions_.Update(tracker_);

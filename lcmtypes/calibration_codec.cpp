@@ -80,7 +80,7 @@ std::optional<StereoCalibration> FromMessage(const calibration_v1_t& message) {
   const auto name = std::find(kModelNames.begin(), kModelNames.end(), message.model);
   if (name == kModelNames.end()) return std::nullopt;
   const auto model = static_cast<DistortionModel>(name - kModelNames.begin());
-  calibration.name = message.name;
+  calibration.name = PlainText(message.name);
   calibration.width = message.width;
   calibration.height = message.height;
   calibration.left = ReadCamera(message.K[0], model, message.dist[0]);

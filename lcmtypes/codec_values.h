@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -30,6 +32,9 @@ inline bool AllFinite(std::span<const double> values) {
 inline bool AllFinite(std::span<const float> values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
+
+/// Foreign text as it may stand in logs and results: on one line, without what is no UTF-8, and not endless.
+std::string PlainText(std::string_view text);
 
 /// The enum with this number, when it is one of the first `count`.
 template <typename Enum>

@@ -240,7 +240,7 @@ StereoPair FromMessage(const images_t& message) {
     try {
       if (image == nullptr) throw ImageProblem("it is missing");
       if (const auto problem = Metadata(*image, kProblemKey); problem && !problem->empty()) {
-        pair.problem = *problem;
+        pair.problem = PlainText(*problem);
       } else {
         *out = Decode(*image);
       }

@@ -35,10 +35,17 @@ class ColumnMonitor {
 
  private:
   struct Fit {
-    double offset_px = 0.0, information = 0.0;
+    double offset_px = 0.0, information = 0.0, last_step_px = 0.0;
   };
-  Fit FitToHost(const std::vector<const Match*>& matches, const Window& window,
-                const Eigen::Isometry3d& T_host_left, double noise_scale) const;
+  /// A keyframe that hosts many of the landmarks that are seen.
+  struct Host {
+    std::vector<const Match*> seen;
+    Eigen::Isometry3d T_host_left;
+    double information = 0.0;  ///< as one round of the fit says
+  };
+  std::vector<Host> HostsByInformation(const Window& window, const std::vector<Match>& matches,
+                                       const Eigen::Isometry3d& T_world_left, double noise_scale) const;
+  Fit FitToHost(const Host& host, const Window& window, double noise_scale, int most_rounds) const;
 
   /// What is known before anything is seen: calibrations are off by a few columns at most.
   static constexpr double kPriorSigma_px = 3.0;

@@ -87,6 +87,10 @@ std::optional<PoseFinder::Found> PoseFinder::Find(const Window& window, const Im
     if (!Enough(fine, expected) ||
         fine.solution.num_inliers < kMinInlierShare * static_cast<double>(fine.matches.size()))
       continue;
+    // Floors and walls repeat themselves: beside where the camera is, a third of what should be there may
+    // agree.
+    if (expected.lost && 2 * static_cast<std::size_t>(fine.solution.num_inliers) < fine.tried.size())
+      continue;
     // A pose that only new landmarks believe in is that of something that moves through the view.
     if (fine.mean_trust <
         (rough->share < kUsual * usual_share_ ? kDoubtful : kUsual) * fine.mean_trust_expected)

@@ -27,15 +27,20 @@ double Middle(std::vector<double>* values) {
 double RowChanges::change_px() const { return weight_ > 0.0 ? std::sqrt(squares_ / weight_) : 0.0; }
 
 bool RowChanges::Update(const Window& window, const std::vector<Match>& matches) {
-  std::map<std::int64_t, Place> places;
-  std::vector<double> changes, moves;
+  std::vector<std::pair<std::int64_t, Place>> places;
   for (const Match& match : matches) {
     if (!match.found_in_right) continue;
     const std::int64_t id = window.landmarks[static_cast<std::size_t>(match.landmark)].id;
-    const Place place{match.measurement.uvd.head<2>(), match.vertical_px};
-    places[id] = place;
-    const auto before = before_.find(id);
-    if (before == before_.end()) continue;
+    places.push_back({id, {match.measurement.uvd.head<2>(), match.vertical_px}});
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<double> changes, moves;
+  auto before = before_.begin();
+  for (const auto& [id, place] : places) {
+    while (before != before_.end() && before->first < id) ++before;
+    if (before == before_.end()) break;
+    if (before->first != id) continue;
     changes.push_back(place.lower_px - before->second.lower_px);
     moves.push_back((place.left_px - before->second.left_px).norm());
   }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -31,7 +31,7 @@ class RowChanges {
     Eigen::Vector2d left_px = Eigen::Vector2d::Zero();
     double lower_px = 0.0;  ///< v in the right image less v in the left one
   };
-  std::map<std::int64_t, Place> before_;  ///< of landmarks, in the frame before
+  std::vector<std::pair<std::int64_t, Place>> before_;  // by landmark, ascending
   double squares_ = 0.0, weight_ = 0.0;   ///< of the changes, forgetting
   int num_left_ = 0;                      ///< frames in motion without it until it is over
 };

@@ -32,6 +32,10 @@ constexpr int kAgainst = 2;
 /// What was only ever seen more coarsely than a look sees it, and shows nothing in it, fades by this: the sky
 /// beyond an edge says no more against the surface than this.
 constexpr int kUnseen = 2;
+/// How far below zero seeing nothing takes what was not known before.
+constexpr int kNothingSeen = -2;
+/// Near the border of either image matching leaves some pixels out that it could give.
+constexpr int kBorder_px = 40;
 /// So does what lies hidden behind another surface, nearer to it than this: the plane that runs through the
 /// steps of a flight, as they were seen from afar.
 constexpr float kJustBehind_m = 0.12F;
@@ -140,7 +144,10 @@ class EvidenceLook::BlockLook {
       const bool could_be_seen =
           expected<kSearchedShare * view_.disparity->range_px&& static_cast<float>(pixel.column)> expected +
           kRightMargin_px;
-      if (could_be_seen) Fade(pixel, before);
+      if (could_be_seen && before <= 0)
+        SeeNothing(pixel, before, expected);
+      else if (could_be_seen)
+        Fade(pixel, before);
       return;
     }
     const float tolerance = kSigmas * view_.disparity->sigma_px(pixel.row, pixel.column) + kMatching_px +
@@ -159,6 +166,15 @@ class EvidenceLook::BlockLook {
                (seen - expected) * plane_.distance_m < kJustBehind_m * seen) {
       Fade(pixel, before);
     }
+  }
+
+  /// The image shows the place, and nothing in it: that says less than looking through the plane.
+  void SeeNothing(const Pixel& pixel, int before, float expected) {
+    const StereoCamera& c = view_.camera;
+    const bool inside = static_cast<float>(pixel.column) > expected + kBorder_px &&
+                        pixel.column < c.width - kBorder_px && pixel.row >= kBorder_px &&
+                        pixel.row < c.height - kBorder_px;
+    if (inside && before > kNothingSeen) Set(pixel, before - 1);
   }
 
   /// Only what was never seen as finely as this look sees it.

@@ -77,6 +77,7 @@ TracedPiece PieceOf(const Polygon& polygon, const Surface& surface) {
   for (const Ring& hole : polygon.holes_world) piece.holes.push_back(to_plane(hole));
   piece.area_m2 = polygon.area_m2 * surface.plane_world.normal.dot(surface.anchor_normal);
   piece.centroid = frame.ToPlane(polygon.centroid_world);
+  piece.seen_past = polygon.seen_past;
   piece.support = polygon.support;
   return piece;
 }

@@ -20,7 +20,8 @@ struct TracedPiece {
   std::vector<Ring2> holes;  ///< clockwise, simple, inside the outline
   double area_m2 = 0.0;      ///< outline less holes
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
-  double support = 0.0;  ///< share of the area that was seen
+  double support = 0.0;         ///< share of the area that was seen
+  std::vector<bool> seen_past;  ///< see Polygon; empty until asked for
 };
 
 /// How pixels of a plane become pieces.

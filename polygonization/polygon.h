@@ -27,7 +27,9 @@ struct Polygon {
   double area_m2 = 0.0;  ///< outline less holes
   Ring outline_world;    ///< counter-clockwise seen from where the normal points; simple; in the plane
   std::vector<Ring> holes_world;  ///< clockwise, inside the outline; simple; in the plane
-  double support = 0.0;           ///< share of the area with observed points, 0..1
+  /// For each edge, outline first, then holes: one looks past the plane beyond it. Empty: not known.
+  std::vector<bool> seen_past;
+  double support = 0.0;  ///< share of the area with observed points, 0..1
   int num_observations = 0;
   Timestamp first_seen;
   Timestamp last_seen;

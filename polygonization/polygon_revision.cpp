@@ -59,6 +59,7 @@ Polygon MakePolygon(PolygonId id, const Surface& surface, const TracedPiece& pie
   // Traced in the axes, from which the plane may have turned a little since.
   polygon.area_m2 = piece.area_m2 / surface.plane_world.normal.dot(surface.anchor_normal);
   polygon.centroid_world = Lift(surface, piece.centroid);
+  polygon.seen_past = piece.seen_past;
   polygon.support = piece.support;
   polygon.rms_m = std::sqrt(surface.moments.MeanSquaredDistance(
       {surface.plane_world.normal,

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "polygonization/edge_evidence.h"
 #include "polygonization/plane_bitmap.h"
 #include "polygonization/surface_joints.h"
 
@@ -69,6 +70,7 @@ void CutPieces(SurfaceId id, const Neighbours& neighbours, const SurfaceStore& s
     pieces->emplace_back();
     pieces->back().surface = id;
     pieces->back().traced = std::move(traced);
+    pieces->back().traced.seen_past = EdgesSeenPast(pieces->back().traced, surface.evidence);
   }
   const auto piece_at = [&](const Eigen::Vector2d& p) -> SurfacePiece* {
     const int traced = tracer.PieceAt(p);

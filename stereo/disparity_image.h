@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include <opencv2/core/mat.hpp>
@@ -16,8 +17,12 @@ struct DisparityImage {
   Timestamp t_capture;
   /// CV_32FC1 [px]; a point at u in the left image is at u - disparity in the right one. NaN = unknown.
   cv::Mat1f disparity_px;
-  /// CV_32FC1 [px], standard deviation; NaN exactly where the disparity is.
+  /// CV_32FC1 [px], standard deviation of what differs from pixel to pixel; NaN exactly where the disparity
+  /// is.
   cv::Mat1f sigma_px;
+  /// Standard deviation of what a rig that is not calibrated exactly adds, which neighbours share: it moves
+  /// and bends surfaces, and blurs none.
+  float misalignment_px = 0.0f;
   /// By how many rows the right image was off before it was matched, from the middle of what was matched.
   RowOffsets row_offsets;
   /// Of the pixels that were matched, those where nothing that was searched fits: unknown in the disparity.
@@ -28,6 +33,9 @@ struct DisparityImage {
   float limit_share = 0.0f;
   /// Greatest disparity that was searched for; what is nearer is unknown.
   float range_px = std::numeric_limits<float>::infinity();
+
+  /// Standard deviation of all that a disparity may be wrong by; NaN where it is unknown.
+  float TotalSigma(int pixel) const { return std::hypot(sigma_px(pixel), misalignment_px); }
 };
 
 }  // namespace terrace

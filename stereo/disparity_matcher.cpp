@@ -26,7 +26,8 @@ namespace terrace {
 namespace {
 
 constexpr int kRangeStep = 16;  // of the settings
-constexpr int kMostDisparity_px = 256;
+constexpr int kMostDisparity_px = 512;
+constexpr int kMostAtFullSize_px = 256;  // what costs and whole numbers of disparities have room for
 
 std::vector<CensusPair> CensusByName(const std::string& name) {
   if (name == "5x5") return Census5x5();
@@ -82,6 +83,15 @@ void FillFromFurther(cv::Mat1f& disparity) {
   }
 }
 
+/// The same settings for images of half the size.
+DisparityConfig OfHalves(const DisparityConfig& config) {
+  DisparityConfig halves = config;
+  const int half_range = (*config.max_disparity_px + 1) / 2;
+  halves.max_disparity_px = (half_range + kRangeStep - 1) / kRangeStep * kRangeStep;
+  halves.use_prior = false;  // a prior's tiles are those of the whole images
+  return halves;
+}
+
 }  // namespace
 
 std::vector<std::string> DisparityConfig::Problems() const {
@@ -89,9 +99,9 @@ std::vector<std::string> DisparityConfig::Problems() const {
   const auto need = [&](bool fine, const std::string& sentence) {
     if (!fine) problems.push_back(sentence);
   };
-  const int range = max_disparity_px.value_or(kMostDisparity_px);
+  const int range = max_disparity_px.value_or(kMostAtFullSize_px);
   need(range >= 16 && range <= kMostDisparity_px && range % kRangeStep == 0,
-       "max_disparity_px is " + std::to_string(range) + ", must be auto or a multiple of 16 from 16 to 256");
+       "max_disparity_px is " + std::to_string(range) + ", must be auto or a multiple of 16 from 16 to 512");
   need(nearest_m > 0.0, "nearest_m must be positive");
   need(tier == "fast" || tier == "quality", "tier is \"" + tier + "\", must be \"fast\" or \"quality\"");
   need(census == "auto" || census == "mixed" || census == "5x5" || census == "9x7",
@@ -114,7 +124,7 @@ DisparityConfig DisparityConfig::ForCamera(const StereoCamera& camera) const {
   DisparityConfig resolved = *this;
   if (max_disparity_px) return resolved;
   const double needed_px = std::ceil(camera.fx * camera.baseline_m / nearest_m / kRangeStep) * kRangeStep;
-  resolved.max_disparity_px = static_cast<int>(std::clamp<double>(needed_px, kRangeStep, kMostDisparity_px));
+  resolved.max_disparity_px = static_cast<int>(std::clamp<double>(needed_px, kRangeStep, kMostAtFullSize_px));
   return resolved;
 }
 
@@ -127,7 +137,9 @@ class DisparityMatcher::Impl {
         full_matcher_(MatchingSettings(config, "9x7")),
         edges_({.rounds = 1}),
         refiner_({.iterations = config.tier == "fast" ? 1 : 3}),
-        half_refiner_({.iterations = config.tier == "fast" ? 3 : 2}) {}
+        half_refiner_({.iterations = config.tier == "fast" ? 3 : 2}) {
+    if (range_px_ > kMostAtFullSize_px) of_halves_ = std::make_unique<Impl>(OfHalves(config));
+  }
 
   DisparityImage Match(const StereoFrame& frame, const DisparityPrior* prior) {
     const cv::Rect image({0, 0}, frame.left.size());
@@ -172,10 +184,12 @@ class DisparityMatcher::Impl {
     result.no_match_share = found.no_match_share;
     result.limit_share = found.limit_share;
     result.range_px = found.range_px;
+    result.misalignment_px = found.misalignment_px;
     return result;
   }
 
   DisparityImage MatchAll(const StereoFrame& frame, const DisparityPrior* prior) {
+    if (of_halves_) return MatchAtHalfSize(frame);
     const cv::Size size = frame.left.size();
     DisparityImage result{frame.frame_id, frame.t_capture, results_.Take(size), results_.Take(size)};
     result.row_offsets = Straighten(frame);
@@ -192,7 +206,30 @@ class DisparityMatcher::Impl {
     units_.Set(result.disparity_px);
     edges_.Sharpen(frame.left, right_, units_, {&steep_, 2});
     refiner_.Refine(frame.left, right_, units_, result.disparity_px, &result.sigma_px, {&steep_, 2});
+    result.misalignment_px = MisalignmentOf(result.row_offsets, size);
     ForgetFlatFringes(frame.left, half_left_, result.disparity_px, result.sigma_px);
+    ForgetBeyondRange(result);
+    return result;
+  }
+
+  /// The halved images alone: what is so near that it needs such a range is as well known with half the
+  /// pixels.
+  DisparityImage MatchAtHalfSize(const StereoFrame& frame) {
+    StereoFrame halves{frame.frame_id, frame.t_capture, {}, {}};
+    HalveImage(frame.left, halves.left);
+    HalveImage(frame.right, halves.right);
+    DisparityImage found = of_halves_->MatchAll(halves, nullptr);
+    const cv::Size size = frame.left.size();
+    DisparityImage result{frame.frame_id, frame.t_capture, results_.Take(size), results_.Take(size)};
+    steep_.Measure(found.disparity_px);
+    DoubleDisparity(found.disparity_px, result.disparity_px, steep_);
+    for (int v = 0; v < size.height; ++v)
+      for (int u = 0; u < size.width; ++u) result.sigma_px(v, u) = 2.0f * found.sigma_px(v / 2, u / 2);
+    result.row_offsets = found.row_offsets.Scaled(2.0f);
+    result.no_match_share = found.no_match_share;
+    result.limit_share = found.limit_share;
+    result.range_px = static_cast<float>(range_px_);
+    result.misalignment_px = 2.0f * found.misalignment_px;
     ForgetBeyondRange(result);
     return result;
   }
@@ -271,6 +308,14 @@ class DisparityMatcher::Impl {
     DoubleDisparity(half_disparity_, disparity, steep_);
   }
 
+  /// How far the columns are off nobody can see in one pair. A rig whose rows are off is as wrong along them,
+  /// as far as that comes of its calibration: a camera that was pitched since then is not turned as well.
+  static float MisalignmentOf(const RowOffsets& offsets, const cv::Size& size) {
+    const float rows_px = offsets.Rms(size);
+    const float square = rows_px * rows_px - kRowOffsetNoisePx * kRowOffsetNoisePx;
+    return std::min(std::sqrt(std::max(square, 0.0f)), kMostMisalignmentPx);
+  }
+
   /// The halved images, and the right one with rows where the left one has them.
   RowOffsets Straighten(const StereoFrame& frame) {
     HalveImage(frame.left, half_left_);
@@ -290,11 +335,14 @@ class DisparityMatcher::Impl {
 
   static constexpr float kMinRowOffsetPx =
       0.07f;  // rms: what is less is hardly more than the error of measuring it
-  static constexpr int kAroundRegionPx = 32;  // from which paths and windows reach into a region
-  static constexpr float kMaxSlope = 1.0f;    // pixels of disparity between neighbours of one piece
+  static constexpr float kRowOffsetNoisePx = 0.05f;   // rms: what is measured where the rows are not off
+  static constexpr float kMostMisalignmentPx = 0.2f;  // measured: calibrations leave no more
+  static constexpr int kAroundRegionPx = 32;          // from which paths and windows reach into a region
+  static constexpr float kMaxSlope = 1.0f;            // pixels of disparity between neighbours of one piece
 
   const DisparityConfig config_;
   const int range_px_;
+  std::unique_ptr<Impl> of_halves_;  // where the range is too long for the whole images
   SemiGlobalMatcher half_matcher_, full_matcher_;
   DepthEdgeSharpener edges_;
   Refiner refiner_, half_refiner_;

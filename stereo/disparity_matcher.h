@@ -15,8 +15,9 @@ namespace terrace {
 
 /// Settings of the disparity matcher. YAML section: `stereo`.
 struct DisparityConfig {
-  /// Search range; the nearest visible depth is focal_px * baseline_m / this. A multiple of 16, at most 256; or
-  /// auto: as far as `nearest_m` needs.
+  /// Search range; the nearest visible depth is focal_px * baseline_m / this. A multiple of 16, at most 512; or
+  /// auto: as far as `nearest_m` needs, at most 256. Beyond that the images are matched at half their size,
+  /// where fine detail is lost and repeated patterns deceive sooner.
   std::optional<int> max_disparity_px = 128;
   /// With `max_disparity_px: auto`, the nearest distance at which something matters.
   double nearest_m = 0.4;

@@ -27,6 +27,9 @@ constexpr float kMuchMoreBlank = 0.25f;
 constexpr float kSomethingToSee = 0.7f;  // less blank than this
 /// Two images of different things have disparities on less than this, a pair on more.
 constexpr float kDifferentKnown = 0.5f;
+/// Grey values that differ by this, so far to both sides of a pixel, are more than noise.
+constexpr int kTexture = 10, kTextureReach = 6;
+constexpr float kEnoughTexture = 0.05f;  // of the pixels
 constexpr float kRowsOff_px = 0.7f;
 /// Radians of roll, and share of the size: a quarter of a degree or four thousandths. Real rigs that were
 /// calibrated with care leave over half as much, measured.
@@ -75,14 +78,30 @@ int Repeated(std::uint64_t fingerprint, std::uint64_t& before, int num_same) {
   return same ? num_same + 1 : 0;
 }
 
-float KnownShare(const cv::Mat1f& disparity) {
-  int n = 0, num_known = 0;
+/// Whether there is something to match: more than the noise of a clear sky.
+bool ShowsSomething(const cv::Mat1b& image, int row, int column) {
+  const std::uint8_t* pixel = image[row];
+  const int begin = std::max(column - kTextureReach, 0),
+            end = std::min(column + kTextureReach + 1, image.cols);
+  const auto [least, most] = std::minmax_element(pixel + begin, pixel + end);
+  return *most - *least >= kTexture;
+}
+
+/// Of all pixels or of those around which the left image shows something, whichever is more.
+float KnownShare(const cv::Mat1b& left, const cv::Mat1f& disparity) {
+  int num = 0, num_known = 0, num_textured = 0, num_textured_known = 0;
   for (int v = kDisparityStep / 2; v < disparity.rows; v += kDisparityStep)
     for (int u = kDisparityStep / 2; u < disparity.cols; u += kDisparityStep) {
-      ++n;
-      num_known += !std::isnan(disparity(v, u));
+      const bool known = !std::isnan(disparity(v, u)), textured = ShowsSomething(left, v, u);
+      ++num;
+      num_known += known;
+      num_textured += textured;
+      num_textured_known += known && textured;
     }
-  return static_cast<float>(num_known) / static_cast<float>(std::max(n, 1));
+  const float of_all = static_cast<float>(num_known) / static_cast<float>(std::max(num, 1));
+  if (num_textured < kEnoughTexture * num) return of_all;
+  return std::max(of_all,
+                  static_cast<float>(num_textured_known) / static_cast<float>(std::max(num_textured, 1)));
 }
 
 std::string Sentence(const char* format, double value) {
@@ -122,13 +141,11 @@ std::string PairHealth::Reason() const {
     return "the right image is blank: its lens is covered, or its exposure or its cable is wrong";
   if (half_blank) {
     const bool right = right_blank_share > left_blank_share;
-    return Sentence(
-        right
-            ? "%.0f %% more of the right image than of the left one is blank: something covers it, or it is "
-              "transferred in part"
-            : "%.0f %% more of the left image than of the right one is blank: something covers it, or it is "
-              "transferred in part",
-        100.0 * std::abs(right_blank_share - left_blank_share));
+    return Sentence(right ? "%.0f %% more of the right image than of the left one is blank: something covers "
+                            "it, it is far too bright, or it is transferred in part"
+                          : "%.0f %% more of the left image than of the right one is blank: something covers "
+                            "it, it is far too bright, or it is transferred in part",
+                    100.0 * std::abs(right_blank_share - left_blank_share));
   }
   if (left_stands) return "the left camera gives the same image again and again: it is frozen";
   if (right_stands) return "the right camera gives the same image again and again: it is frozen";
@@ -165,7 +182,7 @@ PairHealth PairMonitor::Check(const StereoFrame& frame, const DisparityImage& di
   health.num_same_left = num_same_left_;
   health.num_same_right = num_same_right_;
   health.row_offsets = disparity.row_offsets;
-  health.known_share = KnownShare(disparity.disparity_px);
+  health.known_share = KnownShare(frame.left, disparity.disparity_px);
   health.no_match_share = disparity.no_match_share;
   health.limit_share = disparity.limit_share;
 

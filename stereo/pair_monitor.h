@@ -26,7 +26,8 @@ struct PairHealth {
   /// By how much disparities are wrong, root mean square over the image, by the roll and the size of the
   /// right camera that its rows show.
   float disparity_error_px = 0.0f;
-  /// Of the pixels that were matched, those with a disparity.
+  /// Those with a disparity, of all pixels or of those around which the left image shows something, whichever
+  /// is more.
   float known_share = 0.0f;
   /// As in DisparityImage.
   float no_match_share = 0.0f, limit_share = 0.0f;

@@ -99,12 +99,13 @@ void WritePfm(const fs::path& path, const cv::Mat1f& disparity) {
   if (!file) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
-/// 256 x pixels, 0 = unknown; what is known is at least 1.
+/// 256 x pixels, 0 = unknown, as is what is too large for that; what is known is at least 1.
 void WriteDisparityPng(const fs::path& path, const cv::Mat1f& disparity) {
   Gray16Image image{disparity.cols, disparity.rows, {}};
-  for (const float d : disparity)
-    image.data.push_back(
-        std::isnan(d) ? 0 : static_cast<std::uint16_t>(std::clamp(std::lround(256.0f * d), 1L, 65535L)));
+  for (const float d : disparity) {
+    const long sample = std::isnan(d) ? 0 : std::max(std::lround(256.0f * d), 1L);
+    image.data.push_back(static_cast<std::uint16_t>(sample <= 65535 ? sample : 0));
+  }
   WritePng(path, image);
 }
 
@@ -133,13 +134,15 @@ void WriteColor(const fs::path& path, const cv::Mat1f& disparity) {
 }
 
 /// 255 for a sigma of zero, half of it at a quarter of a pixel, 0 = unknown.
-void WriteConfidence(const fs::path& path, const cv::Mat1f& sigma_px) {
+void WriteConfidence(const fs::path& path, const DisparityImage& disparity) {
   constexpr float kHalfAtPx = 0.25f;
-  GrayImage image{sigma_px.cols, sigma_px.rows, {}};
-  for (const float sigma : sigma_px)
+  GrayImage image{disparity.sigma_px.cols, disparity.sigma_px.rows, {}};
+  for (int i = 0; i < static_cast<int>(disparity.sigma_px.total()); ++i) {
+    const float sigma = disparity.TotalSigma(i);
     image.data.push_back(std::isnan(sigma) ? 0
                                            : static_cast<std::uint8_t>(std::max(
                                                  1L, std::lround(255.0f / (1.0f + sigma / kHalfAtPx)))));
+  }
   WritePng(path, image);
 }
 
@@ -197,7 +200,7 @@ void MatchPair(const DisparityOptions& options) {
   else
     WriteDisparityPng(options.out, result.disparity_px);
   if (!options.color.empty()) WriteColor(options.color, result.disparity_px);
-  if (!options.confidence.empty()) WriteConfidence(options.confidence, result.sigma_px);
+  if (!options.confidence.empty()) WriteConfidence(options.confidence, result);
 
   std::vector<double> depth_m;
   std::size_t num_known = 0;
@@ -230,7 +233,7 @@ void AddDisparityCommand(CLI::App& app) {
       ->add_option("OUT", options->out,
                    ".pfm (pixels, infinity = unknown) or .png (256 x pixels, 0 = unknown)")
       ->required();
-  command->add_option("--max-disparity", options->max_disparity_px, "search range in pixels, up to 256")
+  command->add_option("--max-disparity", options->max_disparity_px, "search range in pixels, up to 512")
       ->check(CLI::Range(1, 256));
   command->add_option("--tier", options->tier, "fast or quality")->check(CLI::IsMember({"fast", "quality"}));
   command->add_option("--threads", options->threads, "most threads to use")->check(CLI::Range(1, 1024));

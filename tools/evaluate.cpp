@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,9 +18,14 @@
 #include "evaluation/yardstick.h"
 #include "tools/commands.h"
 #include "tools/evaluate_all.h"
+#include "tools/view_page.h"
+#include "tools/view_report.h"
+#include "tools/view_truth.h"
 
 namespace terrace {
 namespace {
+
+constexpr const char* kViewName = "view.html";
 
 struct EvaluateArguments {
   std::vector<std::string> result_and_sequence;
@@ -53,12 +59,28 @@ MapEvaluationOptions OptionsOf(const std::vector<std::string>& include) {
   return options;
 }
 
+/// A page to look around in, with the truth; false: there is none, and why is said.
+bool WriteView(const Evaluation& evaluation) {
+  try {
+    const ReplayResult result = ReadReplayResult(evaluation.result);
+    ViewBeside beside;
+    beside.rows = RowsOfTruth(evaluation);
+    WriteText(evaluation.result / kViewName, ReportPage(ReadViewPage(), result, {evaluation.sequence},
+                                                        std::move(beside), RecordsOfTruth(evaluation)));
+    return true;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "no page to look around in: %s\n", error.what());
+    return false;
+  }
+}
+
 void EvaluateFolder(const EvaluateArguments& arguments) {
   const std::filesystem::path result = arguments.result_and_sequence[0];
   const Evaluation evaluation =
       EvaluateResult(result, arguments.result_and_sequence[1], OptionsOf(arguments.include));
   WriteText(result / "evaluation.json", ToJson(evaluation));
-  WriteText(result / "report.html", ToReport(evaluation));
+  const bool has_view = WriteView(evaluation);
+  WriteText(result / "report.html", ToReport(evaluation, has_view ? kViewName : ""));
   const ColourImage feet = evaluation.feet ? PictureOfFeet(*evaluation.feet) : ColourImage{};
   if (!feet.data.empty()) WriteFileBytes(result / "feet.png", EncodePng(feet));
   std::fputs(ToTable(evaluation).c_str(), stdout);
@@ -116,7 +138,7 @@ void AddEvaluateCommand(CLI::App& app) {
   auto arguments = std::make_shared<EvaluateArguments>();
   command->add_option("RESULT_DIR SEQUENCE", arguments->result_and_sequence,
                       "what terraced replay wrote, and what it read; writes RESULT_DIR/evaluation.json, "
-                      "report.html and feet.png");
+                      "report.html, view.html and feet.png");
   command->add_option("--include", arguments->include, "true polygons to ask for besides the ordinary ones")
       ->check(CLI::IsMember({"other", "detail"}))
       ->delimiter(',');

@@ -8,19 +8,28 @@
 
 #include "datasets/calibration_file.h"
 #include "datasets/sequence.h"
+#include "stereo/image_scale.h"
 #include "stereo/rectifier.h"
 
 namespace terrace {
 namespace {
 
 /// Rectifies as the replay did.
-Rectifier RectifierOf(const StereoCalibration& calibration, const StereoCamera& camera) {
-  const Rectifier by_default(calibration);
-  const StereoCamera& view = by_default.camera();
-  if (view.width == camera.width && view.height == camera.height && std::abs(view.fx - camera.fx) < 1e-6)
-    return by_default;
-  return Rectifier(calibration,
-                   {camera.fx, std::to_string(camera.width) + "x" + std::to_string(camera.height)});
+struct ReplayedRectifier {
+  ImageScaleConfig scale;
+  Rectifier rectifier;
+};
+
+ReplayedRectifier RectifierOf(const StereoCalibration& calibration, const StereoCamera& camera) {
+  for (const double scale : {1.0, 0.5, 0.25}) {
+    const Rectifier by_default(Scaled(calibration, {scale}));
+    const StereoCamera& view = by_default.camera();
+    if (view.width == camera.width && view.height == camera.height && std::abs(view.fx - camera.fx) < 1e-6)
+      return {{scale}, by_default};
+  }
+  return {{},
+          Rectifier(calibration,
+                    {camera.fx, std::to_string(camera.width) + "x" + std::to_string(camera.height)})};
 }
 
 }  // namespace
@@ -36,11 +45,11 @@ void ForRectifiedFrames(const std::filesystem::path& path, const std::vector<std
     std::vector<std::string> notes;
     calibration = ReadRig(files, &notes, rig_options);
   }
-  const Rectifier rectifier = RectifierOf(calibration, camera);
+  const ReplayedRectifier replayed = RectifierOf(calibration, camera);
   while (const std::optional<SensorFrame> frame = sequence->Next()) {
     if (!wanted(*frame)) continue;
     if (!frame->pair.problem.empty()) throw std::runtime_error(frame->pair.problem);
-    if (!use(rectifier.Rectify(frame->frame_id, frame->pair))) return;
+    if (!use(replayed.rectifier.Rectify(frame->frame_id, Scaled(frame->pair, replayed.scale)))) return;
   }
 }
 

@@ -18,6 +18,8 @@
 namespace terrace {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 struct ServeOptions {
   std::string result;
   std::string url = DefaultUrl();
@@ -25,7 +27,6 @@ struct ServeOptions {
 };
 
 void Serve(const ServeOptions& options) {
-  using Clock = std::chrono::steady_clock;
   CatchInterrupts();
   const TerrainMapPtr map = MapToServe(options.result);
   lcm::LCM lcm(options.url);

@@ -88,7 +88,7 @@ void ViewLive(const ViewOptions& options) {
   ViewBus bus(&lcm, config.channels, &server);
   SayWhere(server, options);
   ServeWhile(&server, [&] {
-    bus.ListenToImagesWhenWanted();
+    bus.ListenToWhatIsWanted();
     HandleFor(&lcm, kPatienceMs);
     bus.TakeMap();
   });

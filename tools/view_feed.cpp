@@ -62,8 +62,7 @@ void ViewFeed::TakeEvent(ViewBytes record) {
 void ViewCursor::Restart() {
   start_.assign(1, feed_->hello_);
   start_.insert(start_.end(), feed_->way_.begin(), feed_->way_.end());
-  sent_camera_ = nullptr;
-  sent_image_ = nullptr;
+  sent_.fill(nullptr);
   sent_map_ = nullptr;
   seen_again_.clear();
   next_event_ = feed_->next_event_;
@@ -75,7 +74,9 @@ ViewBytes ViewCursor::Next() {
     start_.pop_front();
     return record;
   }
-  if (feed_->camera_ != sent_camera_) return sent_camera_ = feed_->camera_;
+  for (const ViewSlot slot : {ViewSlot::kCamera, ViewSlot::kPlan}) {
+    if (ViewBytes record = NextOfSlot(slot)) return record;
+  }
   const auto num_kept = static_cast<std::int64_t>(feed_->events_.size());
   const std::int64_t first_kept = feed_->next_event_ - num_kept;
   if (next_event_ < first_kept) {
@@ -86,9 +87,18 @@ ViewBytes ViewCursor::Next() {
     return feed_->events_[static_cast<std::size_t>(next_event_++ - first_kept)];
   }
   if (ViewBytes record = NextOfMap()) return record;
-  // Images come last: when there is not time for everything, there is none for them.
-  if (wants_images_ && feed_->image_ != sent_image_) return sent_image_ = feed_->image_;
+  for (const ViewSlot slot : {ViewSlot::kImage, ViewSlot::kDisparity, ViewSlot::kCells, ViewSlot::kPoints}) {
+    if (!wants_.Has(slot)) continue;
+    if (ViewBytes record = NextOfSlot(slot)) return record;
+  }
   return nullptr;
+}
+
+/// Null when it has been sent.
+ViewBytes ViewCursor::NextOfSlot(ViewSlot slot) {
+  const auto i = static_cast<std::size_t>(slot);
+  if (feed_->newest_[i] == sent_[i]) return nullptr;
+  return sent_[i] = feed_->newest_[i];
 }
 
 /// Tells what has changed by region and revision; whole only where there is nothing to start from.

@@ -14,14 +14,20 @@ namespace terrace {
 
 /// What a record tells the page. viewer/src/records.ts is the reader.
 enum class ViewRecordKind : char {
-  kHello = 'H',    ///< JSON: who speaks (ViewHello)
-  kFigures = 'F',  ///< JSON: figures and pictures of a finished run
-  kCamera = 'C',   ///< JSON: the rectified left camera
-  kTerrain = 'T',  ///< terrain_v1_t, always in one part: whole, changes, or what was seen again
-  kPose = 'P',     ///< pose_v1_t
-  kStatus = 'S',   ///< status_v1_t
-  kReply = 'R',    ///< command_reply_v1_t
-  kImage = 'I',    ///< the rectified left image as JPEG
+  kHello = 'H',      ///< JSON: who speaks (ViewHello)
+  kFigures = 'F',    ///< JSON: figures and pictures of a finished run
+  kCamera = 'C',     ///< JSON: the rectified left camera
+  kTerrain = 'T',    ///< terrain_v1_t, always in one part: whole, changes, or what was seen again
+  kPose = 'P',       ///< pose_v1_t
+  kStatus = 'S',     ///< status_v1_t
+  kReply = 'R',      ///< command_reply_v1_t
+  kPlan = 'G',       ///< footstep_plan_v1_t
+  kImage = 'I',      ///< the rectified left image as JPEG
+  kDisparity = 'D',  ///< a disparity image as a picture (view_surroundings.h)
+  kCells = 'V',      ///< cells of the octree beside the regions (view_surroundings.h)
+  kPoints = 'N',     ///< points of a disparity image beside the regions (view_surroundings.h)
+  kTruth = 'U',      ///< terrain_v1_t: the true surfaces, in the world of the result
+  kTrueWay = 'W',    ///< x, y, z, ... (float32): where the left camera truly was, in the world of the result
 };
 
 /// A record as it travels. Shared by everybody who sends it.

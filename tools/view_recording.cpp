@@ -64,16 +64,16 @@ nlohmann::json PicturesJson(const std::vector<ViewPicture>& pictures) {
   return list;
 }
 
-ViewBytes FiguresRecord(const ReplayResult& result, const std::vector<ViewPicture>& pictures) {
+ViewBytes FiguresRecord(const ReplayResult& result, const ViewBeside& beside) {
+  Rows rows = FigureRows(result);
+  rows.insert(rows.end(), beside.rows.begin(), beside.rows.end());
   nlohmann::json stages = nlohmann::json::array();
   for (const auto& [name, times] : result.stats.StagesInOrder()) {
     stages.push_back(
         {{"name", name}, {"p50_ms", times.p50_ms}, {"p99_ms", times.p99_ms}, {"cpu_ms", times.cpu_ms_mean}});
   }
-  const nlohmann::json json = {{"title", "Replay"},
-                               {"rows", FigureRows(result)},
-                               {"stages", stages},
-                               {"images", PicturesJson(pictures)}};
+  const nlohmann::json json = {
+      {"title", "Replay"}, {"rows", rows}, {"stages", stages}, {"images", PicturesJson(beside.pictures)}};
   return MakeViewRecord(ViewRecordKind::kFigures, {}, json.dump());
 }
 
@@ -122,10 +122,10 @@ std::vector<ViewBytes> RecordsOfMap(const std::filesystem::path& file) {
 }
 
 std::vector<ViewBytes> RecordsOfResult(const ReplayResult& result, const std::string& source,
-                                       const std::vector<ViewPicture>& pictures) {
+                                       const ViewBeside& beside) {
   ViewFeed feed({source, NameOf(result.folder)});
   ViewCursor cursor(&feed);
-  std::vector<ViewBytes> records = {FiguresRecord(result, pictures), CameraRecord(result.camera.camera)};
+  std::vector<ViewBytes> records = {FiguresRecord(result, beside), CameraRecord(result.camera.camera)};
   std::map<Timestamp, const ResultPose*> poses;
   for (const ResultPose& pose : result.trajectory) poses[pose.t_capture] = &pose;
   std::set<Timestamp> changes;  // when a region or a staircase came

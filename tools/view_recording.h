@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "results/replay_result.h"
@@ -20,10 +21,16 @@ struct ViewPicture {
   std::string jpeg;
 };
 
+/// What is shown beside a result.
+struct ViewBeside {
+  std::vector<std::pair<std::string, std::string>> rows;  ///< figures, after those of the replay
+  std::vector<ViewPicture> pictures;
+};
+
 /// A replay's result: the way frame by frame, the regions as they stood at the end, each from when it was
 /// first seen, and the figures. @param source  "result" or "report"
 std::vector<ViewBytes> RecordsOfResult(const ReplayResult& result, const std::string& source,
-                                       const std::vector<ViewPicture>& pictures = {});
+                                       const ViewBeside& beside = {});
 
 /// What a daemon published, from an LCM log. Throws FileError when the log has no map of a daemon.
 std::vector<ViewBytes> RecordsOfLog(const std::filesystem::path& file);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "tools/view_report.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
@@ -9,6 +11,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -16,23 +19,19 @@
 
 #include "core/file_bytes.h"
 #include "core/print.h"
-#include "results/replay_result.h"
 #include "tools/commands.h"
 #include "tools/rectified_frames.h"
 #include "tools/terrain_picture.h"
 #include "tools/view_page.h"
-#include "tools/view_recording.h"
 
 namespace terrace {
 namespace {
 
 struct ReportOptions {
   std::filesystem::path result;
-  std::string sequence;
   std::filesystem::path out;
-  std::vector<std::filesystem::path> calibration;
+  ReportSource source;
   std::string page;
-  int num_images = 12;
 };
 
 // Of the images that the page can play, these many are also shown as pictures with the regions drawn over.
@@ -63,9 +62,9 @@ struct ReportImages {
   std::vector<ViewPicture> pictures;
 };
 
-ReportImages CollectImages(const ReportOptions& options, const ReplayResult& result) {
+ReportImages CollectImages(const ReplayResult& result, const ReportSource& source) {
   constexpr int kPlainQuality = 70, kPictureQuality = 85;
-  const auto num_images = static_cast<std::size_t>(options.num_images);
+  const auto num_images = static_cast<std::size_t>(source.num_images);
   const auto poses = ChosenPoses(result.trajectory, num_images);
   const auto drawn = ChosenPoses(result.trajectory, std::min(kNumPictures, num_images));
   std::set<Timestamp> missing;
@@ -74,7 +73,7 @@ ReportImages CollectImages(const ReportOptions& options, const ReplayResult& res
   const Timestamp t_first = result.frames.empty() ? Timestamp{} : result.frames.front().t_capture;
   ReportImages images;
   ForRectifiedFrames(
-      options.sequence, options.calibration, result.camera.camera,
+      source.sequence, source.calibration, result.camera.camera,
       [&](const SensorFrame& frame) { return missing.contains(frame.pair.t_capture); },
       [&](const StereoFrame& frame) {
         const Timestamp t = frame.t_capture;
@@ -91,18 +90,15 @@ ReportImages CollectImages(const ReportOptions& options, const ReplayResult& res
         missing.erase(t);
         return !missing.empty();
       });
-  if (!missing.empty()) throw std::runtime_error(options.sequence + ": is not the sequence of this result");
+  if (!missing.empty()) throw std::runtime_error(source.sequence + ": is not the sequence of this result");
   return images;
 }
 
 void Report(const ReportOptions& options) {
   const std::string page = ReadViewPage(options.page);
   const ReplayResult result = ReadReplayResult(options.result);
-  const ReportImages images = options.num_images > 0 ? CollectImages(options, result) : ReportImages{};
-  std::vector<ViewBytes> records = RecordsOfResult(result, "report", images.pictures);
-  records.insert(records.end(), images.records.begin(), images.records.end());
-  const std::string whole = PageWithRecording(page, records);
   const std::filesystem::path out = options.out.empty() ? options.result / "view.html" : options.out;
+  const std::string whole = ReportPage(page, result, options.source);
   WriteFileBytes(out, std::span(reinterpret_cast<const std::uint8_t*>(whole.data()), whole.size()));
   std::printf("look around  %s (%.1f MB, opens in any browser)\n", out.c_str(),
               1e-6 * static_cast<double>(whole.size()));
@@ -110,17 +106,29 @@ void Report(const ReportOptions& options) {
 
 }  // namespace
 
+std::string ReportPage(const std::string& page, const ReplayResult& result, const ReportSource& source,
+                       ViewBeside beside, const std::vector<ViewBytes>& more) {
+  ReportImages images = source.num_images > 0 ? CollectImages(result, source) : ReportImages{};
+  beside.pictures = std::move(images.pictures);
+  std::vector<ViewBytes> records = RecordsOfResult(result, "report", beside);
+  records.insert(records.end(), more.begin(), more.end());
+  records.insert(records.end(), images.records.begin(), images.records.end());
+  return PageWithRecording(page, records);
+}
+
 void AddReportCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "report", "Write a replay's map, path, figures and images as one page to look around in");
   auto options = std::make_shared<ReportOptions>();
   command->add_option("RESULT_DIR", options->result, "what terraced replay wrote")->required();
-  command->add_option("SEQUENCE", options->sequence, "what it replayed")->required();
+  command->add_option("SEQUENCE", options->source.sequence, "what it replayed")->required();
   command->add_option("OUT.html", options->out, "default: view.html in RESULT_DIR");
-  command->add_option("--images", options->num_images, "camera images in the page")
+  command->add_option("--images", options->source.num_images, "camera images in the page")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  command->add_option("--calibration", options->calibration, "the files that the replay was given, if it was")
+  command
+      ->add_option("--calibration", options->source.calibration,
+                   "the files that the replay was given, if it was")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--page", options->page, "the page to use instead of the installed one");

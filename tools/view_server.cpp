@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <deque>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -43,6 +44,21 @@ bool IsLoopbackName(const std::string& name) {
   return name == "localhost" || name == "[::1]" || name.starts_with("127.");
 }
 
+/// Words that are no slot are passed over: a page may be newer than this program.
+ViewSlots SlotsOf(const nlohmann::json& names) {
+  static const std::map<std::string, ViewSlot> kNames = {{"image", ViewSlot::kImage},
+                                                         {"disparity", ViewSlot::kDisparity},
+                                                         {"cells", ViewSlot::kCells},
+                                                         {"points", ViewSlot::kPoints}};
+  ViewSlots slots;
+  for (const nlohmann::json& name : names) {
+    if (!name.is_string()) continue;
+    const auto known = kNames.find(name.get<std::string>());
+    if (known != kNames.end()) slots.Add(known->second);
+  }
+  return slots;
+}
+
 }  // namespace
 
 struct ViewServer::Loop {
@@ -80,7 +96,7 @@ class ViewServer::Impl : public std::enable_shared_from_this<Impl> {
   tcp::acceptor acceptor;
   bool only_loopback = true;
   std::set<std::shared_ptr<Browser>> browsers;
-  std::atomic<bool> images_wanted = false;
+  std::atomic<ViewSlots> wanted{};
   std::atomic<std::size_t> num_browsers = 0;
 };
 
@@ -124,7 +140,7 @@ class ViewServer::Impl::Browser : public std::enable_shared_from_this<Browser> {
                         });
   }
 
-  bool wants_images() const { return cursor_.wants_images(); }
+  const ViewSlots& wants() const { return cursor_.wants(); }
 
  private:
   void Read() {
@@ -140,8 +156,8 @@ class ViewServer::Impl::Browser : public std::enable_shared_from_this<Browser> {
   void Obey(const std::string& text) {
     const nlohmann::json request = nlohmann::json::parse(text, nullptr, false);
     if (!request.is_object()) return;
-    if (const auto wish = request.find("images"); wish != request.end() && wish->is_boolean()) {
-      cursor_.SetWantsImages(wish->get<bool>());
+    if (const auto wishes = request.find("wants"); wishes != request.end() && wishes->is_array()) {
+      cursor_.SetWants(SlotsOf(*wishes));
       server_->CountWishes();
     }
     if (request.contains("snapshot")) cursor_.Restart();
@@ -264,9 +280,9 @@ void ViewServer::Impl::Accept() {
 }
 
 void ViewServer::Impl::CountWishes() {
-  bool wanted = false;
-  for (const auto& browser : browsers) wanted = wanted || browser->wants_images();
-  images_wanted = wanted;
+  ViewSlots all;
+  for (const auto& browser : browsers) all.Add(browser->wants());
+  wanted = all;
   num_browsers = browsers.size();
 }
 
@@ -293,7 +309,7 @@ void ViewServer::Change(std::function<void(ViewFeed*)> change) {
   });
 }
 
-bool ViewServer::images_wanted() const { return impl_->images_wanted; }
+ViewSlots ViewServer::wanted() const { return impl_->wanted; }
 
 int ViewServer::port() const { return impl_->acceptor.local_endpoint().port(); }
 

@@ -42,8 +42,8 @@ class ViewServer {
   void Stop();
   /// Has the feed changed inside Run(), then every browser sent what it lacks. From any thread.
   void Change(std::function<void(ViewFeed*)> change);
-  /// Whether a browser wants camera images. From any thread.
-  bool images_wanted() const;
+  /// What any browser wants. From any thread.
+  ViewSlots wanted() const;
 
   int port() const;
   std::size_t num_browsers() const;  ///< from any thread

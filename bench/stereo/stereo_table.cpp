@@ -163,7 +163,7 @@ void PrintSigma(const TruthSet& set, const Method& method) {
     for (int i = 0; i < static_cast<int>(energy.total()); ++i)
       if (truth.pixels[i] == PixelTruth::kVisible && !std::isnan(result.disparity_px(i)))
         texture_and_ratio.emplace_back(
-            energy(i), std::abs(result.disparity_px(i) - truth.disparity_px.data[i]) / result.sigma_px(i));
+            energy(i), std::abs(result.disparity_px(i) - truth.disparity_px.data[i]) / result.TotalSigma(i));
   }
   std::sort(texture_and_ratio.begin(), texture_and_ratio.end());
   std::printf("  %s, error / sigma, 68 %% quantile by texture:", method.name.c_str());

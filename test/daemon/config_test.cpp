@@ -117,6 +117,7 @@ TEST_F(ConfigTest, ReadsSectionsWithinSections) {
 
 TEST_F(ConfigTest, SaysWhenAFileIsMissingOrNotYaml) {
   EXPECT_THAT(ErrorOf(dir_ / "none.yaml", {}), HasSubstr("none.yaml: cannot be read"));
+  EXPECT_THAT(ErrorOf(dir_, {}), HasSubstr(": cannot be read"));
   EXPECT_THAT(ErrorOf(File("stereo: [1, 2\n"), {}), HasSubstr("is not YAML"));
   EXPECT_THAT(ErrorOf(File("just a word\n"), {}), HasSubstr("must hold sections"));
 }

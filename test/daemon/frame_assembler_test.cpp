@@ -50,6 +50,41 @@ TEST(FrameAssemblerTest, DoesNotWaitForEverAndCountsTheGap) {
   EXPECT_EQ(assembler.num_imu_gaps(), 1);
 }
 
+TEST(FrameAssemblerTest, SaysByHowMuchTheClockOfTheImuIsAnotherOne) {
+  FrameAssembler assembler{LiveConfig()};
+  assembler.Add(Imu(990), kStart);
+  assembler.Add(Pair(1000), kStart);
+  EXPECT_FALSE(assembler.imu_clock_ahead());
+  for (const int ahead_ms : {10'000, 3'600'000, -5'000}) {
+    FrameAssembler other{LiveConfig()};
+    other.Add(Pair(60'000), kStart);
+    other.TakeAny();
+    other.Add(Imu(60'000 + ahead_ms), kStart);  // whether it is taken does not matter
+    other.Add(Pair(60'001), kStart);
+    ASSERT_TRUE(other.imu_clock_ahead()) << ahead_ms;
+    EXPECT_EQ(other.imu_clock_ahead()->count(), (ahead_ms - 1) * kMs);
+  }
+  assembler.Add(Imu(70'000), kStart);
+  assembler.Add(Pair(60'000), kStart + milliseconds(600));
+  EXPECT_FALSE(assembler.imu_clock_ahead()) << "that it is silent is another matter";
+  assembler.Add(Imu(61'500), kStart + milliseconds(700));
+  assembler.Add(Pair(60'100), kStart + milliseconds(700));
+  EXPECT_FALSE(assembler.imu_clock_ahead()) << "images may be late";
+}
+
+TEST(FrameAssemblerTest, TakesAGapForSilenceWhereTheArrivalShowsItToo) {
+  FrameAssembler assembler{LiveConfig()};
+  assembler.Add(Pair(1000), kStart);
+  assembler.TakeAny();
+  assembler.Add(Pair(31'000), kStart + milliseconds(30'000));
+  EXPECT_TRUE(assembler.TakeAny()) << "the camera was silent for half a minute";
+  EXPECT_EQ(assembler.TakeClockChange().count(), 0);
+  EXPECT_EQ(assembler.num_time_jumps(), 0);
+  assembler.Add(Pair(61'000), kStart + milliseconds(30'100));
+  EXPECT_FALSE(assembler.TakeAny()) << "its clock may have been set";
+  EXPECT_EQ(assembler.num_time_jumps(), 1);
+}
+
 TEST(FrameAssemblerTest, GivesUpOnAnImuThatHasGoneSilent) {
   FrameAssembler assembler{LiveConfig()};
   assembler.Add(Imu(990), kStart);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live_input.h"
 
+#include <chrono>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -166,6 +168,18 @@ TEST_F(LiveInputTest, SurvivesAndCountsWhatIsNoMessage) {
   }
   SendBytes("SOMEONE_ELSE", rubbish);
   EXPECT_EQ(input_->num_decode_errors(), 10);
+}
+
+TEST_F(LiveInputTest, RefusesImagesAndSamplesWhoseTimesGoAThousandTimesTooSlowly) {
+  Listen(SomeCalibration());
+  constexpr int kNumPairs = 8;
+  for (int i = 0; i < kNumPairs; ++i) {  // milliseconds where microseconds are meant
+    Send(channels_.images, SomeImages(1'600'000'000'000'000 + i * 200'000));
+    Send(channels_.imu, ToMessage(ImuSample{{1'600'000'000'000'000 + i * 200'000}, {}, {0, 0, 9.81}}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+  EXPECT_THAT(input_->why_no_images(), HasSubstr("with the factor 1000 they would be right"));
+  EXPECT_GT(input_->num_decode_errors(), 0);
 }
 
 TEST_F(LiveInputTest, HandsCommandsOn) {

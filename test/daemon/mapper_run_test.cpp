@@ -39,5 +39,14 @@ TEST(MapperRunTest, TakesARegionOfInterestWithinTheImageOnly) {
   EXPECT_THAT(ProblemOf(config), HasSubstr("whose height is 120"));
 }
 
+TEST(MapperRunTest, ARegionOfInterestLiesInTheHalvedImage) {
+  PipelineConfig config;
+  config.image_scale.scale = 0.5;
+  config.stereo.roi_width_px = 80;
+  EXPECT_THAT(ProblemOf(config), IsEmpty());
+  config.stereo.roi_width_px = 81;
+  EXPECT_THAT(ProblemOf(config), HasSubstr("whose width is 80"));
+}
+
 }  // namespace
 }  // namespace terrace

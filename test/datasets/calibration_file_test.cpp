@@ -503,6 +503,7 @@ TEST_F(CalibrationFileTest, RigFilesReadBackExactly) {
 TEST_F(CalibrationFileTest, RefusesWhatIsNoCalibration) {
   EXPECT_THAT(Problem("a.yaml", "just words"), HasSubstr("must be a calibration of Kalibr"));
   EXPECT_THAT(Problem("a.yaml", "{"), HasSubstr("not valid YAML"));
+  EXPECT_THAT(Problem("a.yaml", "cam0: {fx: 1}\ncam1: {fx: 1, fx: 2}\n"), HasSubstr("'fx' comes twice"));
   EXPECT_THAT(Problem("a.yaml", "colour: blue\n"), HasSubstr("holds neither camera matrices"));
   EXPECT_THAT(Problem("a.json", "{\"a\": 1}"), HasSubstr("holds no intrinsics"));
   std::vector<std::string> notes;

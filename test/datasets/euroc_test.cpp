@@ -219,6 +219,7 @@ TEST_F(EurocTest, RefusesSenselessCalibrationWithFileAndRule) {
       {"resolution: [32, 24]", "resolution: [1e9, 24]", "must lie within 16x16 and 16384x16384"},
       {"resolution: [32, 24]", "resolution: [-32, 24]", "resolution must be two whole numbers"},
       {"resolution: [32, 24]", "", "cam0/sensor.yaml: resolution must be a list of 2 numbers"},
+      {"resolution: [32, 24]", "resolution: [32, 24]\nresolution: [40, 24]", "'resolution' comes twice"},
       {"resolution: [32, 24]", "resolution: [40, 24]", "resolution differs from that of cam0"},
       {"radial-tangential", "wobbly",
        "distortion_model is wobbly, must be radial-tangential, equidistant or none"},

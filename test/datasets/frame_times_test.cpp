@@ -53,5 +53,20 @@ TEST(FrameTimesTest, NamesTheFactorOfTimesInAnotherUnit) {
   EXPECT_THAT(*StrangeRate(FramesAt({0, 66, 133, 200})), HasSubstr("factor 0.001"));
 }
 
+TEST(FrameTimesTest, SaysThatAnImuIsOfAnotherClock) {
+  const std::vector<Timestamp> images = FramesAt({1000, 1001, 1002});
+  const auto sentence = [&](double from_s) {
+    std::vector<ImuSample> samples;
+    for (const Timestamp t : FramesAt({from_s, from_s + 0.5, from_s + 1.0})) samples.push_back({t, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+    return OtherClockOfImu(images, samples);
+  };
+  EXPECT_FALSE(sentence(1000.2));
+  EXPECT_FALSE(sentence(999.5)) << "it has begun earlier";
+  EXPECT_FALSE(OtherClockOfImu(images, {})) << "there is none";
+  EXPECT_THAT(*sentence(1010.0),
+              HasSubstr("of 1010.000 to 1011.000 s, the images are of 1000.000 to 1002.000 s"));
+  EXPECT_TRUE(sentence(7.0)) << "since the start of the machine";
+}
+
 }  // namespace
 }  // namespace terrace

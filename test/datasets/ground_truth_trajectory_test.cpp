@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,6 +77,25 @@ TEST(GroundTruthTrajectoryTest, SaysWhatIsMissingOrUnreadable) {
   WriteText(folder.path() / "groundtruth_tum.txt",
             "99999999999999999999.0 1 2 3 0 0 0 1\n-1.0 1 2 3 0 0 0 1\n");
   EXPECT_THROW(LoadTrueTrajectory(folder.path()), FileError);
+}
+
+TEST(GroundTruthTrajectoryTest, SaysHowTimesThatAreNoSecondsMayBeMeant) {
+  const TemporaryFolder folder;
+  const auto problem_of = [&](const std::string& line) -> std::string {
+    WriteText(folder.path() / "groundtruth_tum.txt", line);
+    try {
+      LoadTrueTrajectory(folder.path());
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(problem_of("1.6e+09 1 2 3 0 0 0 1\n").find("1.6e+09 is a rounded time"), std::string::npos);
+  EXPECT_NE(problem_of("1600000000066666 1 2 3 0 0 0 1\n")
+                .find("with the factor 1e-06 1600000000066666 would be one"),
+            std::string::npos);
+  EXPECT_NE(problem_of("1600000000066666667 1 2 3 0 0 0 1\n").find("with the factor 1e-09"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -58,6 +58,21 @@ Eigen::Isometry3d SomewhereElse() {
   return T;
 }
 
+TEST(TrajectoryEvaluationTest, SaysWhyNoPoseHasATrueOneAndNamesTheFactorOfAnotherUnit) {
+  const std::vector<TimedPose> truth = StraightLine();
+  std::vector<TimedPose> in_us = truth, later = truth;
+  for (TimedPose& pose : in_us) pose.t.ns /= 1000;
+  for (TimedPose& pose : later) pose.t.ns += 3'600'000'000'000;
+  ASSERT_TRUE(MatchPoses(ResultOf(truth), in_us).empty());
+  EXPECT_EQ(WhyNoneMatches(ResultOf(truth), in_us),
+            "no pose has a true one within 2 ms: the poses are of 1600000000.000 to 1600000010.000 s, the "
+            "true ones of "
+            "1600000.000 to 1600000.010 s; the true ones are in another unit, with the factor 1000 they "
+            "would meet");
+  const std::string hour = WhyNoneMatches(ResultOf(truth), later);
+  EXPECT_EQ(hour.find("another unit"), std::string::npos) << hour;
+}
+
 TEST(TrajectoryEvaluationTest, GivesPerfectMarksToTheTruthInAnyWorld) {
   const std::vector<TimedPose> truth = Curve();
   std::vector<ResultPose> result = ResultOf(truth);

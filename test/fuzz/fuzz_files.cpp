@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
-
-#include <unistd.h>
 
 #include "core/file_bytes.h"
 #include "datasets/calibration_file.h"
@@ -14,37 +11,19 @@
 #include "datasets/npz_file.h"
 #include "datasets/sequence.h"
 #include "results/camera_file.h"
+#include "results/explanations_file.h"
 #include "results/frames_file.h"
 #include "results/map_file.h"
 #include "results/stats_file.h"
 #include "results/tracks_file.h"
 #include "results/trajectory_file.h"
+#include "test/fuzz/fuzz_folder.h"
 #include "test/fuzz/fuzz_targets.h"
 
 namespace terrace::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Of this process, in memory where there is such a file system.
-const fs::path& Folder() {
-  static const fs::path folder = [] {
-    const fs::path memory = "/dev/shm";
-    const fs::path base = fs::is_directory(memory) ? memory : fs::temp_directory_path();
-    const fs::path made = base / ("terrace_fuzz_" + std::to_string(getpid()));
-    fs::create_directories(made);
-    std::atexit([] { fs::remove_all(Folder()); });
-    return made;
-  }();
-  return folder;
-}
-
-fs::path Written(const std::string& name, Bytes bytes) {
-  const fs::path path = Folder() / name;
-  fs::create_directories(path.parent_path());
-  WriteFileBytes(path, bytes);
-  return path;
-}
 
 /// Runs a reader that may refuse what it reads.
 template <typename Read>
@@ -128,6 +107,7 @@ void ReadKitti(Bytes bytes) {
 void ReadResults(Bytes bytes) {
   const fs::path path = Written("result", bytes);
   MayRefuse([&] { ReadCameraFile(path); });
+  MayRefuse([&] { ReadExplanationsFile(path); });
   MayRefuse([&] { ReadFramesFile(path); });
   MayRefuse([&] { ReadTerrainMapFile(path); });
   MayRefuse([&] { ReadStaircasesFile(path); });

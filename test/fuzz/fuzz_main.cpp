@@ -14,8 +14,8 @@ using terrace::fuzz::Target;
 
 std::vector<Target> AllTargets() {
   std::vector<Target> all = terrace::fuzz::FileTargets();
-  const std::vector<Target> messages = terrace::fuzz::MessageTargets();
-  all.insert(all.end(), messages.begin(), messages.end());
+  for (const std::vector<Target>& more : {terrace::fuzz::SettingTargets(), terrace::fuzz::MessageTargets()})
+    all.insert(all.end(), more.begin(), more.end());
   const char* only = std::getenv("TERRACE_FUZZ");
   if (!only) return all;
   for (const Target& target : all)

@@ -9,8 +9,10 @@
 #include "client/terrain_follower.h"
 #include "lcmtypes/calibration_codec.h"
 #include "lcmtypes/image_codec.h"
+#include "lcmtypes/map_transform_codec.h"
 #include "lcmtypes/pose_codec.h"
 #include "lcmtypes/region_codec.h"
+#include "lcmtypes/request_codec.h"
 #include "lcmtypes/safe_decode.h"
 #include "lcmtypes/sensor_codec.h"
 #include "lcmtypes/status_codec.h"
@@ -77,6 +79,8 @@ std::vector<Target> MessageTargets() {
           {"terrain", ReadMessage<terrain_v1_t>},
           {"command", OnlyDecode<command_v1_t>},
           {"command_reply", OnlyDecode<command_reply_v1_t>},
+          {"map_transform", ReadMessage<map_transform_v1_t>},
+          {"request", ReadMessage<terrain_request_v1_t>},
           {"repair", OnlyDecode<terrain_repair_v1_t>},
           {"terrain_parts", FollowTerrain}};
 }

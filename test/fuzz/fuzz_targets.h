@@ -18,6 +18,8 @@ struct Target {
 
 /// Files: images, calibrations, sequences, logs, results.
 std::vector<Target> FileTargets();
+/// Configurations, scenes, saved maps, and the commands with their arguments.
+std::vector<Target> SettingTargets();
 /// Messages on the bus.
 std::vector<Target> MessageTargets();
 

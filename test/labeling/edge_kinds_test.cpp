@@ -61,6 +61,22 @@ TEST(EdgeKindsTest, TellsADropOfUnknownDepthWhereOnlyAWallIsSeenOverTheEdge) {
   EXPECT_FALSE(edges[1].step_m);
 }
 
+TEST(EdgeKindsTest, TellsADropOfUnknownDepthWherePixelsLookPastTheGroundFromNear) {
+  LabelScene scene = Platform();
+  std::vector<RegionShapePtr> shapes = EdgeShapes(scene);
+  Polygon polygon = *shapes[0]->polygon;
+  polygon.seen_past = {false, true, false, false};
+  shapes[0] = MakeRegionShape(std::make_shared<const Polygon>(polygon), kLevelWorld, {0.52, 1.13, 0.5});
+  const auto edges_from = [&](const Eigen::Vector3d& eye) {
+    return EdgesOf(0, shapes, {TopView::kSeen}, kLevelWorld, eye);
+  };
+  const auto edges = edges_from(kEyeBefore);
+  EXPECT_EQ(edges[1].kind, EdgeKind::kDrop);
+  EXPECT_FALSE(edges[1].step_m);
+  for (const int other : {0, 2, 3}) EXPECT_EQ(edges[other].kind, EdgeKind::kLimitOfView);
+  EXPECT_EQ(edges_from({-1.0, 0.0, 0.45})[1].kind, EdgeKind::kLimitOfView);
+}
+
 TEST(EdgeKindsTest, TellsNoDropWhereAWallStandsOnGroundThatWasNotSeen) {
   LabelScene scene = Platform();
   scene.AddFace(TerrainLabel::kWall, {3.6, 2, 0}, {3.6, -2, 0}, 2.0);

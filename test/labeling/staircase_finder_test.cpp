@@ -103,6 +103,69 @@ TEST(StaircaseFinderTest, MeasuresTheRiseByTheTopsOfFacesWhoseFeetAreHidden) {
   EXPECT_NEAR(found[0].model.foot_z, 0.0, 0.003);
 }
 
+TEST(StaircaseFinderTest, MeasuresTheRiseByTreadsWhereNosingsHideTheTopsOfAllFaces) {
+  constexpr double kRise = 0.17, kRun = 0.28, kHidden = 0.04, kNosing = 0.03;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  for (int k = 1; k <= 6; ++k) {
+    const double x = 3.0 + (k - 1) * kRun, foot = (k - 1) * kRise;
+    scene.AddFace(TerrainLabel::kStairRiser, {x, 0.8, foot}, {x, -0.8, foot}, kRise - kHidden, k);
+    if (k <= 2)
+      scene.AddLevel(TerrainLabel::kStairTread, {x + 0.5 * (kRun - kNosing), 0, k * kRise}, kRun + kNosing,
+                     1.6);
+  }
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.0, 0.0, 0.5);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(ShapesOf(scene.Update().changed), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  // With the same weight for every kind it would be off by 8 mm.
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 0.003);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 2.0 * found[0].rise_sigma_m);
+  EXPECT_NEAR(found[0].model.run_m, kRun, 0.002);
+}
+
+/// Treads alone, as from above, of which the third lies and leans as its points do that were merged with it.
+TEST(StaircaseFinderTest, KnowsALawNoBetterThanTheLevelsAgreeThatItIsMadeOf) {
+  constexpr double kRise = 0.165, kRun = 0.3, kPulled = 0.012;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  for (int k = 1; k <= 3; ++k) {
+    const double low = k == 3 ? kPulled : 0.0;
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + (k - 0.5) * kRun, 0, k * kRise - low}, kRun, 1.6);
+  }
+  std::vector<PolygonPtr> polygons = scene.Update().changed;
+  auto pulled = std::make_shared<Polygon>(*polygons[3]);
+  pulled->rms_m = kPulled;
+  polygons[3] = pulled;
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(2.0, 0.0, 0.6);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(ShapesOf(polygons), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 2.0 * found[0].rise_sigma_m);
+  EXPECT_NEAR(found[0].model.rise_m, kRise, 0.003);
+}
+
+TEST(StaircaseFinderTest, TakesNoFrontOfATreadForSureOfWhichSomeIsMissing) {
+  constexpr double kRise = 0.155, kRun = 0.3;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  for (int k = 1; k <= 4; ++k) {
+    // Of the last one the front half was lost.
+    const double lost = k == 4 ? 0.5 * kRun : 0.0;
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + (k - 0.5) * kRun + 0.5 * lost, 0, k * kRise},
+                   kRun - lost, 1.6);
+  }
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.6, 0.0, 0.8);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  const auto found = finder.Find(ShapesOf(scene.Update().changed), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.run_m, kRun, 0.015);
+  EXPECT_NEAR(found[0].model.run_m, kRun, 2.0 * found[0].run_sigma_m);
+}
+
 TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
   constexpr int kTrials = 60;
   double sum2 = 0.0;
@@ -118,7 +181,7 @@ TEST(StaircaseFinderTest, KnowsTheRiseAsWellAsItsSigmaSays) {
     sight.T_level_left.translation() = Eigen::Vector3d(1.5, 0.0, 1.5);
     // As good as single treads and faces are taken to be.
     const auto found =
-        finder.Find(ShapesOf(scene.Update({0.006, 0.01, 0.012}, seed).changed), {}, sight, true);
+        finder.Find(ShapesOf(scene.Update({0.0045, 0.01, 0.012}, seed).changed), {}, sight, true);
     if (found.size() != 1u) continue;
     sum2 += std::pow((found[0].model.rise_m - flight.rise_m) / found[0].rise_sigma_m, 2);
     ++num;
@@ -155,11 +218,11 @@ TEST(StaircaseFinderTest, TellsAnOpenFlightByTwoTreadsWithTheFloorSeenBeneathThe
 }
 
 TEST(StaircaseFinderTest, TellsNoFlightWhoseRunIsNotKnown) {
-  // Noise of 8 mm, seen from 0.35 m above a tread and 1.5 m away, moves its front by 35 mm.
+  // Noise of 11 mm, seen from 0.35 m above a tread and 1.5 m away, moves its front by 47 mm.
   PolygonUpdate update = OpenFlight(2, 0.28, 5.0).Update();
   for (PolygonPtr& polygon : update.changed) {
     auto noisy = std::make_shared<Polygon>(*polygon);
-    noisy->noise_m = 0.008;
+    noisy->noise_m = 0.011;
     polygon = noisy;
   }
   Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
@@ -170,6 +233,23 @@ TEST(StaircaseFinderTest, TellsNoFlightWhoseRunIsNotKnown) {
 
 TEST(StaircaseFinderTest, TellsNoFlightByTwoTopsWithoutTheFloorBeneathThem) {
   EXPECT_TRUE(FindFromBelow(OpenFlight(2, 0.28, 3.0)).empty());
+}
+
+TEST(StaircaseFinderTest, TellsNoFlightByTwoFacesBetweenWhichOneIsMissing) {
+  // From where no other step would be in view.
+  const auto num_found = [](int second) {
+    LabelScene scene;
+    scene.AddLevel(TerrainLabel::kWalkway, {1.5, -1.5, 0}, 5, 3);
+    for (const int k : {1, second}) {
+      const double y = 0.25 * (k - 1), z = 0.2 * (k - 1);
+      scene.AddFace(TerrainLabel::kObstacle, {2.5, y, z}, {3.5, y, z}, 0.2);
+    }
+    Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+    sight.T_level_left.translation() = Eigen::Vector3d(0.0, 1.0, 0.5);
+    return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, sight, true).size();
+  };
+  EXPECT_EQ(num_found(2), 1u);
+  EXPECT_EQ(num_found(3), 0u);
 }
 
 TEST(StaircaseFinderTest, TakesTheFloorBeneathAnOpenFlightForItsFootAndNoTread) {
@@ -199,6 +279,38 @@ TEST(StaircaseFinderTest, MissesNoRisersWhereTheyAreOpen) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 3);
   EXPECT_NEAR(found[0].model.rise_m, 0.155, 0.002);
+}
+
+/// The floor above an edge, what shows of one tread below it, and the floor below.
+std::vector<FoundStaircase> FindBelowAnEdge(double floor_below_m, double tread_width_m = 1.6) {
+  constexpr double kRise = 0.15, kRun = 0.28, kShows = 0.1;
+  LabelScene scene;
+  // Beside the flight the floor above goes on.
+  KnownPiece floor;
+  floor.outline = {{-1, -2, 0},     {kEdgeX + 1, -2, 0}, {kEdgeX + 1, -1, 0},
+                   {kEdgeX, -1, 0}, {kEdgeX, 2, 0},      {-1, 2, 0}};
+  scene.Add(floor);
+  scene.AddLevel(TerrainLabel::kStairTread, {kEdgeX + kRun - 0.5 * kShows, 0.2, -kRise}, kShows,
+                 tread_width_m);
+  scene.AddLevel(TerrainLabel::kWalkway, {6.0, 0, -floor_below_m}, 4, 1.6);
+  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, FromAbove(), true);
+}
+
+TEST(StaircaseFinderTest, TellsAFlightDownByTheEdgeAboveItAndOneTread) {
+  const auto found = FindBelowAnEdge(0.45);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 3);
+  EXPECT_NEAR(found[0].model.rise_m, 0.15, 0.002);
+  EXPECT_NEAR(found[0].model.run_m, 0.28, 0.01);
+  EXPECT_LT(found[0].run_sigma_m, 0.2 * 0.28);
+  EXPECT_LT(found[0].model.UpAt(1.0).x(), -0.99);
+  EXPECT_EQ(found[0].head_shape, 0);
+  EXPECT_EQ(found[0].foot_shape, 2);
+}
+
+TEST(StaircaseFinderTest, TellsNoFlightDownByALedgeAlone) {
+  EXPECT_TRUE(FindBelowAnEdge(0.375).empty()) << "the floor below lies at no whole number of steps";
+  EXPECT_TRUE(FindBelowAnEdge(0.45, 0.5).empty()) << "both sides of it are in view: a box";
 }
 
 TEST(StaircaseFinderTest, CountsAFlightDownByItsFirstTreadsAndTheFloorBelow) {
@@ -271,6 +383,67 @@ KnownPiece BoardFromBelow(double front_x, double depth_m, double width_m, double
   return {{{a, -w, z}, {a, w, z}, {b, w, z}, {b, -w, z}}, {}, TerrainLabel::kUnknown};
 }
 
+TEST(StaircaseFinderTest, CountsTheLastRiserOfAnOpenFlightByTheBlockThatItsLandingStandsOn) {
+  const auto risers_before_face = [](double height_m, double behind_m) {
+    LabelScene scene = OpenFlight(3, 0.28, 3.9);
+    const double x = 3.0 + 3 * 0.28 + behind_m;
+    scene.AddFace(TerrainLabel::kObstacle, {x, 0.5, 0}, {x, -0.5, 0}, height_m);
+    const auto found = FindFromBelow(scene);
+    return found.size() == 1u ? found[0].num_risers : 0;
+  };
+  EXPECT_EQ(risers_before_face(4 * 0.155, 0.0), 4);
+  EXPECT_EQ(risers_before_face(1.5, 0.0), 3) << "a wall";
+  EXPECT_EQ(risers_before_face(4 * 0.155, 0.2), 3) << "no riser stands there";
+}
+
+TEST(StaircaseFinderTest, CountsTheBoardOfALandingThatIsSeenFromBelowAndDeeperThanATread) {
+  LabelScene scene = OpenFlight(3, 0.28, 3.9);
+  KnownPiece board;
+  const double x = 3.0 + 3 * 0.28, z = 4 * 0.155 - 0.04;
+  board.outline = {{x, -0.47, z}, {x, 0.47, z}, {x + 0.9, 0.47, z}, {x + 0.9, -0.47, z}};
+  scene.Add(board);
+  const auto found = FindFromBelow(scene);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 4);
+}
+
+/// Four risers with their treads, and above them an incline into which risers 5 to 7 have merged from afar.
+std::vector<FoundStaircase> FindBelowIncline(double rms_m) {
+  constexpr double kRise = 0.17, kRun = 0.28;
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  KnownFlight flight;
+  flight.foot = {3, 0, 0};
+  flight.num_risers = 4;
+  flight.width_m = 1.6;
+  scene.AddFlight(flight);
+  const auto on_line = [&](double k, double y) {
+    return Eigen::Vector3d(3.0 + (k - 1.0) * kRun, y, (k - 0.5) * kRise);
+  };
+  scene.Add({{on_line(4.7, -0.8), on_line(7.3, -0.8), on_line(7.3, 0.8), on_line(4.7, 0.8)}, {}});
+  std::vector<PolygonPtr> polygons = scene.Update().changed;
+  auto incline = std::make_shared<Polygon>(*polygons.back());
+  incline->noise_m = 0.006;
+  incline->rms_m = rms_m;
+  polygons.back() = incline;
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(2.0, 0.0, 0.75);
+  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(polygons), {}, sight, true);
+}
+
+TEST(StaircaseFinderTest, CountsTheStepsThatHaveMergedIntoOneInclineAboveTheOthers) {
+  const auto found = FindBelowIncline(0.013);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 7);
+  EXPECT_EQ(found[0].num_treads, 6);
+}
+
+TEST(StaircaseFinderTest, CountsNoStepsInARampAboveAFlight) {
+  const auto found = FindBelowIncline(0.003);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 4);
+}
+
 TEST(StaircaseFinderTest, CountsTheBoardsOfAnOpenFlightThatAreSeenFromBelow) {
   constexpr double kRise = 0.17, kRun = 0.28;
   for (const double board_m : {0.03, 0.045, 0.06}) {
@@ -307,6 +480,25 @@ TEST(StaircaseFinderTest, TakesStepsThatGoOnToASideForTheSameFlight) {
   EXPECT_EQ(FindFromBelow(scene).size(), 1u);
 }
 
+TEST(StaircaseFinderTest, FindsNoSecondFlightWithinTheWidthOfAKnownOne) {
+  // Its middle is hidden, and on the far side so are the fronts.
+  LabelScene scene = OpenFlight(5, 0.28, 5.0);
+  for (int k = 1; k <= 5; ++k)
+    scene.AddLevel(TerrainLabel::kStairTread, {3.0 + 0.28 * (k - 1) + 0.21, 1.2, 0.155 * k}, 0.2, 0.55);
+  const std::vector<RegionShapePtr> shapes = ShapesOf(scene.Update().changed);
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(1.8, 0.0, 0.5);
+  const StaircaseFinder finder{StaircaseConfig{}};
+  EXPECT_EQ(finder.Find(shapes, {}, sight, true).size(), 2u);
+  FlightModel known;
+  known.origin = {3.0, 0.0};
+  known.rise_m = 0.155;
+  known.run_m = 0.28;
+  known.lateral = {-0.475, 1.475};
+  EXPECT_EQ(finder.Find(shapes, {known}, sight, true).size(), 1u);
+  EXPECT_EQ(finder.Find(shapes, {known}, sight, false).size(), 1u);
+}
+
 TEST(StaircaseFinderTest, TakesStripsForStepsOnlyWhereTheyAreHigherThanNoiseHides) {
   const auto candidates = [](double rms_m, double noise_m) {
     std::vector<RegionShapePtr> shapes = InclineInStrips(rms_m);
@@ -319,7 +511,8 @@ TEST(StaircaseFinderTest, TakesStripsForStepsOnlyWhereTheyAreHigherThanNoiseHide
     }
     const StaircaseConfig config;
     const StraightFrame frame(-Eigen::Vector2d::UnitX());
-    std::vector<StepElement> strips = MeasureSteps(config, shapes, StepCandidates(config, shapes), frame);
+    std::vector<StepElement> strips =
+        MeasureSteps(config, shapes, StepCandidates(config, shapes, FromAbove().eye()), frame);
     std::erase_if(strips, [](const StepElement& e) { return !e.leaning; });
     return strips;
   };

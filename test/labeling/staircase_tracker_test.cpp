@@ -154,6 +154,25 @@ TEST_F(StaircaseTrackerTest, BelievesAnotherLawAtOnceOnlyWhenItIsBetterKnown) {
   EXPECT_EQ(told().tread_m, 0.28);
 }
 
+TEST_F(StaircaseTrackerTest, SaysThatAFlightIsContestedUntilFramesInARowHaveDecided) {
+  See(Found(2, 5), kFrames);
+  EXPECT_FALSE(tracker_.contested());
+  See(Found(2, 6));
+  EXPECT_TRUE(tracker_.contested()) << "more steps";
+  See(Found(2, 5));
+  EXPECT_FALSE(tracker_.contested());
+  See(Found(2, 6), kFrames);
+  EXPECT_FALSE(tracker_.contested()) << "believed by now";
+  See(Found(2, 4), kFrames);
+  EXPECT_FALSE(tracker_.contested()) << "some are hidden";
+  FoundStaircase other = Found(2, 6);
+  other.model.run_m = 0.31;
+  See(other);
+  EXPECT_TRUE(tracker_.contested()) << "another law";
+  See(other, kFrames);
+  EXPECT_FALSE(tracker_.contested());
+}
+
 TEST_F(StaircaseTrackerTest, BelievesNoOtherRiseForARunThatIsBetterKnown) {
   See(Found(1, 6), kFrames);
   FoundStaircase other = Found(1, 6);

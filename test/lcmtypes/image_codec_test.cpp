@@ -72,6 +72,19 @@ TEST(ImageCodecTest, CarriesTheProblemOfAPairThatCouldNotBeRead) {
   EXPECT_TRUE(back.left.empty());
 }
 
+TEST(ImageCodecTest, GivesForeignTextOnOneLineOfUtf8) {
+  const auto back = [](const std::string& problem) {
+    return AfterTrip(ToMessage({{1600000000066666667}, {}, {}, problem}, ImageEncoding::kRaw)).problem;
+  };
+  EXPECT_EQ(back("kein Licht: \xC3\x9C\xE2\x82\xAC\xF0\x9F\x98\x80"),
+            "kein Licht: \xC3\x9C\xE2\x82\xAC\xF0\x9F\x98\x80");
+  EXPECT_EQ(back("Latin-1: \xDC!"), "Latin-1: ?!");
+  EXPECT_EQ(back("cut \xE2\x82"), "cut ??");
+  EXPECT_EQ(back("overlong \xC0\x80, half a pair \xED\xA0\x80"), "overlong ??, half a pair ???");
+  EXPECT_EQ(back("a line\nof another\x1B[2J"), "a line?of another?[2J");
+  EXPECT_EQ(back(std::string(1000, 'x')), std::string(500, 'x') + "...");
+}
+
 TEST(ImageCodecTest, ReadsRowsWithPaddingAndTakesTheTimeOfTheMessageWithoutMetadata) {
   images_t message = ToMessage({{5000}, {2, 2, {1, 2, 3, 4}}, {2, 2, {5, 6, 7, 8}}, ""}, ImageEncoding::kRaw);
   message.images[0].row_stride = 3;

@@ -138,6 +138,30 @@ TEST_P(DisparityMatcherTest, FindsAPlaneWhenTheRightRowsAreOff) {
   EXPECT_GT(rms(off, false), 3.0 * rms(off, true));  // what it is for
 }
 
+TEST_P(DisparityMatcherTest, KnowsHowWrongAPairMayBeWhoseRowsAndColumnsAreOff) {
+  // The columns are off by a fifth of a pixel, which nothing shows, and so are the rows, which can be seen.
+  constexpr double kOff_px = 0.2;
+  const SlantedPlane plane{8.3, 0.01, 0.05};
+  const StereoFrame straight = RenderPlane(480, 360, {plane.d0 + kOff_px, plane.du, plane.dv});
+  StereoFrame off = straight;
+  off.right = cv::Mat1b();
+  StraightenRows(straight.right, {.centre_px = -kOff_px}, off.right);
+  const auto ratio = [&](const StereoFrame& frame) {  // of errors to sigma, 68 % quantile
+    const DisparityImage result = DisparityMatcher(Tier(GetParam(), 64)).Match(frame);
+    std::vector<double> ratios;
+    for (int v = 10; v < 350; ++v)
+      for (int u = 60; u < 470; ++u)
+        if (!std::isnan(result.disparity_px(v, u)))
+          ratios.push_back(std::abs(result.disparity_px(v, u) - plane.At(u, v)) /
+                           result.TotalSigma(v * result.sigma_px.cols + u));
+    std::nth_element(ratios.begin(), ratios.begin() + ratios.size() * 68 / 100, ratios.end());
+    return ratios[ratios.size() * 68 / 100];
+  };
+  EXPECT_GT(ratio(off), 0.8);
+  EXPECT_LT(ratio(off), 1.3);
+  EXPECT_GT(ratio(straight), 2.0);  // what straight rows do not show
+}
+
 TEST_P(DisparityMatcherTest, FindsASlantedPlaneWhereverBothCamerasSeeIt) {
   DisparityMatcher matcher(Tier(GetParam(), 32));
   const SlantedPlane plane{8.3, 0.01, 0.05};
@@ -225,6 +249,25 @@ TEST_P(DisparityMatcherTest, KnowsNothingWhereThereIsNothingToSee) {
   frame.right = frame.left.clone();
   const DisparityImage result = DisparityMatcher(Tier(GetParam(), 32)).Match(frame);
   for (const float d : result.disparity_px) EXPECT_TRUE(std::isnan(d));
+}
+
+TEST_P(DisparityMatcherTest, FindsAPlaneSoNearThatItsDisparitiesAreBeyond256) {
+  const SlantedPlane plane{300.3, 0.02, 0.3};
+  const DisparityImage result =
+      DisparityMatcher(Tier(GetParam(), 400)).Match(RenderPlane(801, 241, plane));  // to 388 px; odd sizes
+  EXPECT_EQ(result.range_px, 400.0f);
+  int num_known = 0, num_right = 0, num_beyond = 0;
+  for (int v = 8; v < 233; ++v)
+    for (int u = 400; u < 790; ++u) {
+      const float d = result.disparity_px(v, u), sigma = result.sigma_px(v, u);
+      EXPECT_EQ(std::isnan(d), std::isnan(sigma));
+      num_known += !std::isnan(d);
+      num_right += std::abs(d - plane.At(u, v)) < std::max(3.0f * sigma, 0.5f);
+      num_beyond += d > 400.0f;
+    }
+  EXPECT_GT(num_known, 0.97 * 225 * 390);
+  EXPECT_GT(num_right, 0.97 * num_known);
+  EXPECT_EQ(num_beyond, 0);
 }
 
 TEST_P(DisparityMatcherTest, RefusesImagesOfUnequalSize) {

@@ -117,6 +117,19 @@ TEST(PairMonitorTest, TellsTwoImagesOfDifferentThings) {
   EXPECT_LT(health.known_share, 0.1);
 }
 
+TEST(PairMonitorTest, APlatformUnderAWideSkyIsNoPairOfDifferentThings) {
+  // Above ground of little contrast nothing but noise, another one in each image.
+  StereoFrame frame = RenderPlane(kPairWidth, kPairHeight, kFloor, {.contrast = 10.0});
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(140.0, 1.5);
+  for (cv::Mat1b* image : {&frame.left, &frame.right})
+    for (int v = 0; v < kPairHeight * 2 / 3; ++v)
+      for (int u = 0; u < kPairWidth; ++u) (*image)(v, u) = cv::saturate_cast<std::uint8_t>(noise(random));
+  const PairHealth health = CheckOnce(frame);
+  EXPECT_FALSE(health.different);
+  EXPECT_GT(health.known_share, 0.8);
+}
+
 /// Straightening what is straight moves it by as much the other way.
 StereoFrame Misaligned(const RowOffsets& offsets, unsigned seed = 1) {
   StereoFrame frame = Healthy(seed);

@@ -167,14 +167,34 @@ TEST_F(ViewFeedTest, ThinsALongWayAndKeepsItsLength) {
 TEST_F(ViewFeedTest, SendsTheNewestImageAloneAndOnlyToWhoWantsIt) {
   ViewCursor without(&feed_);
   ViewCursor with(&feed_);
-  with.SetWantsImages(true);
+  ViewSlots wants;
+  wants.Add(ViewSlot::kImage);
+  with.SetWants(wants);
   Drain(&without);
   Drain(&with);
-  feed_.TakeImage(Event(ViewRecordKind::kImage));
+  feed_.Take(ViewSlot::kImage, Event(ViewRecordKind::kImage));
   const ViewBytes newest = Event(ViewRecordKind::kImage);
-  feed_.TakeImage(newest);
+  feed_.Take(ViewSlot::kImage, newest);
   EXPECT_TRUE(Drain(&without).empty());
   EXPECT_EQ(Drain(&with), std::vector<ViewBytes>{newest});
+}
+
+TEST_F(ViewFeedTest, SendsAPlanAtOnceAndWhatCostsMostLast) {
+  ViewCursor cursor(&feed_);
+  ViewSlots wants;
+  for (const ViewSlot slot : {ViewSlot::kImage, ViewSlot::kDisparity, ViewSlot::kCells}) wants.Add(slot);
+  cursor.SetWants(wants);
+  Drain(&cursor);
+  feed_.Take(ViewSlot::kPoints, Event(ViewRecordKind::kPoints));  // which it does not want
+  feed_.Take(ViewSlot::kCells, Event(ViewRecordKind::kCells));
+  feed_.Take(ViewSlot::kDisparity, Event(ViewRecordKind::kDisparity));
+  feed_.TakeMap(map_, {});
+  feed_.TakePose(PoseAt(0.0), Event(ViewRecordKind::kPose));
+  feed_.Take(ViewSlot::kPlan, Event(ViewRecordKind::kPlan));
+  EXPECT_EQ(KindsOf(Drain(&cursor)), "GPTDV");
+  // Who comes later is told the plan, too.
+  ViewCursor late(&feed_);
+  EXPECT_EQ(KindsOf(Drain(&late)), "HPGT");
 }
 
 TEST_F(ViewFeedTest, SendsANewMapWhole) {

@@ -32,6 +32,7 @@ export async function openBrowser() {
   });
   return {
     context,
+    folder,
     close: async () => {
       await context.close();
       rmSync(folder, { recursive: true, force: true });

@@ -48,7 +48,9 @@ const regionsOf = (page) => page.evaluate(() => (
 const until = (page, what) => page.waitForFunction(what, null, { timeout: 60000 });
 
 test('shows the map that the daemon saves, the way and the state in words', async () => {
-  const { page, foreign, errors } = await openPage(browser.context, view.url);
+  const { page, foreign, errors } = await openPage(browser.context, `${view.url}#switched=disparity,points`);
+  await until(page, () => window.terrace.live.connected);
+  await sleep(300);  // until the daemon has heard what is asked for
   execFileSync('lcm-logplayer', ['-l', URL, '--speed=0.5', join(folder, 'tiny.lcmlog')], { stdio: 'ignore' });
   await until(page, () => window.terrace.model.regions.size > 0 && window.terrace.model.statuses.length > 1);
   await sleep(1000);  // the last frames' map
@@ -61,7 +63,17 @@ test('shows the map that the daemon saves, the way and the state in words', asyn
   assert.ok(await page.evaluate(() => window.terrace.model.path.length) > 1);
   assert.match(await page.textContent('#state'), /The daemon is .*frames/s);
   assert.match(await page.textContent('#state'), /disparity \d/);
+  assert.match(await page.textContent('#state'), /calibrationrectified \d+×\d+, f \d+\.\d px/);
+  // What the daemon sends on request only.
+  await until(page, () => window.terrace.model.cells !== null && window.terrace.model.points !== null && window.terrace.model.disparity !== null);
   await until(page, () => window.terrace.view.inset.texture !== null);
+  await page.waitForFunction(() => /disparity, \d/.test(document.getElementById('inset-caption').textContent));
+  const { corners, drawn } = await page.evaluate(() => {
+    const { camera } = window.terrace.view.path;
+    return { corners: camera.geometry.getAttribute('position').count, drawn: camera.visible };
+  });
+  assert.deepEqual([corners, drawn], [20, true], 'the camera is drawn, though the page was there before its first pose');
+  assert.ok(await page.evaluate(() => window.terrace.latencies().imageToPoseMs) > 0);
   assert.deepEqual([foreign, errors], [[], []]);
   await page.close();
 });

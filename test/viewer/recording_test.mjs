@@ -81,6 +81,29 @@ test('is one small file, and a report needs no server', async () => {
   assert.ok(statSync(html).size <= MAX_PAGE_BYTES);
 });
 
+test('shows the truth over the result in the page of an evaluation', async () => {
+  const world = join(folder, 'world');
+  const walked = join(folder, 'walked');
+  execFileSync(terrace, ['synthesize', 'flat', world, '--frames', '10', '--samples', '1', '--seed', '3'], { stdio: 'ignore' });
+  execFileSync(terraced, ['replay', world, '--output', walked], { stdio: 'ignore' });
+  execFileSync(terrace, ['evaluate', walked, world], { stdio: 'ignore' });
+  assert.match(readFileSync(join(walked, 'report.html'), 'utf8'), /href="view.html"/);
+  const { page, foreign, errors } = await openPage(browser.context, `file://${join(walked, 'view.html')}`);
+  await page.waitForFunction(() => window.terrace.player !== null && window.terrace.model.truth.length > 0);
+  const { truth, last, camera, figures } = await page.evaluate(() => ({
+    truth: window.terrace.model.truth.map((r) => [r.label, r.origin.z]), last: [...window.terrace.model.trueWay.slice(-3)],
+    camera: window.terrace.model.cameraPose().position.toArray(), figures: document.getElementById('state').textContent,
+  }));
+  const WALKWAY = 1;
+  const feet = JSON.parse(readFileSync(join(walked, 'terrain_map.json'), 'utf8')).regions.filter((r) => r.label === 'walkway');
+  const floorM = feet.sort((a, b) => b.area_m2 - a.area_m2)[0].outline[0][2];
+  assert.ok(truth.some(([label, z]) => label === WALKWAY && Math.abs(z - floorM) < 0.02), 'the true floor lies where the found one is');
+  assert.ok(Math.hypot(...last.map((v, i) => v - camera[i])) < 0.02, 'the true way ends where the camera is');
+  assert.match(figures, /way from the truth.*true surfaces found/);
+  assert.deepEqual([foreign, errors], [[], []]);
+  await page.close();
+});
+
 test('says what a log without a map lacks', () => {
   assert.throws(() => execFileSync(terrace, ['view', '--log', sequence], { stdio: 'pipe' }), (error) => (
     error.status === 1 && /holds no map/.test(String(error.stderr))));

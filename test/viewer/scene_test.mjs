@@ -129,6 +129,107 @@ test('numbers the steps of a staircase and says its dimensions', () => withPage(
   assert.deepEqual(texts, ['1', '2', '2 steps of 0.170 m, treads 0.300 m, 1.00 m wide']);
 }));
 
+/// A record as `terrace view` sends it (tools/view_record.h).
+const apply = (page, kind, bytes) => page.evaluate(([k, content]) => {
+  const { model, view } = window.terrace;
+  model.apply({ kind: k, utime: 1, heardUtime: 0, content: new Uint8Array(content) });
+  if (model.numBad > 0) throw new Error(model.lastProblem);
+  view.update();
+  view.draw();
+}, [kind, [...bytes]]);
+
+function bytesOf(parts) {
+  return Buffer.concat(parts.map(([type, ...values]) => Buffer.from(new type(values).buffer)));
+}
+
+test('draws the cells of the octree and the points of a disparity image where they are', () => withPage('', async (page) => {
+  // Edge of a leaf and lowest corner; two cells, the second one four leaves wide.
+  await apply(page, 'V', bytesOf([[Float32Array, 0.02, 1, -1, 0.5], [Uint16Array, 0, 0, 0, 1, 10, 20, 30, 4]]));
+  await apply(page, 'N', bytesOf([[Float32Array, 0.5, 0, 1, 0.002], [Int16Array, 500, -500, -250, 0, 0, 0]]));
+  const near = (found, expected) => expected.forEach((value, i) => assert.ok(Math.abs(found[i] - value) < 1e-5, `${found} is ${expected}`));
+  const { cells, edges, points, words } = await page.evaluate(() => {
+    const { model, view } = window.terrace;
+    window.terrace.setLayer('points', true);
+    window.terrace.showPanels();
+    return {
+      cells: [...model.cells.positions], edges: [...model.cells.edges], points: [...model.points.positions],
+      words: [view.voxels.numDrawn, document.getElementById('state').textContent],
+    };
+  });
+  near(cells, [1.01, -0.99, 0.51, 1.24, -0.56, 1.14]);
+  near(edges, [0.02, 0.08]);
+  near(points, [1.5, -1, 0.5, 0.5, 0, 1]);
+  assert.equal(words[0], 2);
+  assert.match(words[1], /2 of 2 cells, 2 of 2 points/);
+}));
+
+test('draws a plan of footsteps with a sole for each step, and takes it away when there is none', () => withPage('', async (page) => {
+  const plan = (n) => page.evaluate((count) => {
+    const { model, view } = window.terrace;
+    const steps = [...Array(count).keys()];
+    model.plan = {
+      utime: 1, map_id: 1, foot_radius: 0.03, n_steps: count, side: steps.map((i) => i % 2), pos: steps.map((i) => [0.2 * i, i % 2 ? -0.1 : 0.1, 0]),
+      normal: steps.map(() => [0, 0, 1]), heading: steps.map(() => 0), gait: steps.map((i) => (i === 2 ? 1 : 0)),
+    };
+    view.update();
+    view.draw();
+    const meshes = view.footsteps.group.children.filter((child) => child.type === 'Mesh');
+    return { meshes: meshes.map((mesh) => mesh.position.toArray().map((v) => Number(v.toFixed(3)))), texts: view.footsteps.group.children.length };
+  }, n);
+  const { meshes } = await plan(3);
+  assert.deepEqual(meshes, [[0, 0.1, 0.006], [0.2, -0.1, 0.006], [0.4, 0.1, 0.006], [0.4, 0.1, 0.006]]);  // the last one has a rim, it climbs
+  assert.equal((await plan(0)).texts, 0);
+}));
+
+test('lays the image on what the camera saw, and not on what something nearer hid', () => withPage('#view=top&switched=grid,staircases,texture,edges,outlines', async (page) => {
+  // A camera 2 m over the box top of half a metre (region 2) looks straight down; its image is white.
+  const colours = await page.evaluate(async () => {
+    const { model, view } = window.terrace;
+    const canvas = Object.assign(document.createElement('canvas'), { width: 64, height: 48 });
+    const context = canvas.getContext('2d');
+    context.fillStyle = 'white';
+    context.fillRect(0, 0, 64, 48);
+    const blob = await new Promise((resolve) => { canvas.toBlob(resolve, 'image/jpeg'); });
+    model.camera = { width: 64, height: 48, fx: 30, fy: 30, cx: 31.5, cy: 23.5 };
+    model.picture = { utime: 1, jpeg: new Uint8Array(await blob.arrayBuffer()) };
+    view.update();
+    for (let i = 0; i < 100 && !view.inset.texture; ++i) await new Promise((resolve) => { setTimeout(resolve, 50); });
+    const v = view.cameras.controls.target.clone();
+    view.inset.picturePose = { position: v.clone().set(-0.75, -0.75, 1), rotation: view.cameras.active.quaternion.clone().set(1, 0, 0, 0) };
+    const at = (place) => {
+      view.drawWhole();
+      const scene = document.getElementById('scene');
+      const copy = Object.assign(document.createElement('canvas'), { width: scene.width, height: scene.height });
+      copy.getContext('2d').drawImage(scene, 0, 0);
+      const { x, y } = view.project(v.clone().set(...place));
+      return [...copy.getContext('2d').getImageData(Math.round(x), Math.round(y), 1, 1).data].slice(0, 3);
+    };
+    // The box top; the floor well beside it; the floor under it, once the top is not drawn from above.
+    const [top, beside] = [at([-0.75, -0.75, 0.5]), at([0.2, -0.75, 0])];
+    view.cameras.active.position.z = 0.3;  // between the floor and the top
+    view.cameras.active.near = 0.001;
+    view.cameras.active.updateProjectionMatrix();
+    return { top, beside, under: at([-0.75, -0.75, 0]) };
+  });
+  const isWhitish = ([r, g, b]) => Math.min(r, g, b) > 150;
+  assert.ok(isWhitish(colours.top), `the top is in the image: ${colours.top}`);
+  assert.ok(isWhitish(colours.beside), `the floor beside it is in the image: ${colours.beside}`);
+  assert.ok(!isWhitish(colours.under), `the floor under the top is not: ${colours.under}`);
+}));
+
+test('asks for what is shown and for nothing else', () => withPage('', async (page) => {
+  const wants = (layers) => page.evaluate((switched) => {
+    const asked = [];
+    window.terrace.live = { setWants: (names) => asked.push(names), connected: true };
+    for (const layer of switched) window.terrace.setLayer(layer, !window.terrace.view.shown.get(layer));
+    window.terrace.live = null;
+    return asked.at(-1).sort();
+  }, layers);
+  assert.deepEqual(await wants(['disparity']), ['cells', 'disparity', 'image']);
+  assert.deepEqual(await wants(['voxels', 'points', 'image', 'disparity']), ['points']);
+  assert.deepEqual(await wants(['texture', 'points']), ['image']);
+}));
+
 test('hides and shows layers', () => withPage('', async (page) => {
   await page.click('[data-name=layers]');
   await page.click('[data-layer=surfaces]');

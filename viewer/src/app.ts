@@ -6,34 +6,37 @@ import { legendOf, Mode, MODES } from './colouring';
 import { detailsOf } from './details';
 import { byId, chip, download, h, say } from './dom';
 import { fromHash, toHash } from './link';
+import { Latencies, Latency } from './latency';
 import { Live } from './live';
 import { Model } from './model';
-import { EDGE_COLOURS } from './palette';
+import { EDGE_COLOURS, TRUTH_COLOUR } from './palette';
 import { Player } from './player';
 import { parseRecord, parseRecording, recordingOf, StreamRecord, toBase64 } from './records';
 import { StatePanel } from './state_panel';
 import { Timeline } from './timeline';
 import { Actions, helpContent, Toolbar } from './toolbar';
-import { isShownAtFirst, Layer, LAYERS, View3d } from './view3d';
+import { isShownAtFirst, Layer, LAYERS, View3d, wantsOf } from './view3d';
 
 const PANEL_EVERY_MS = 250;
 const AGE_EVERY_MS = 1000;
-const KEPT_LATENCIES = 200;
 const CLICK_PX = 5;
+
+function numberOf(count: number, what: string): string {
+  return `${count} ${what}${count === 1 ? '' : 's'}`;
+}
 
 export class App implements Actions {
   readonly model = new Model();
   readonly view: View3d;
   live: Live | null = null;
   player: Player | null = null;
-  latenciesMs: number[] = [];
   numFrames = 0;
   selected: number | null = null;
   measurePoints: Vector3[] | null = null;
   private readonly toolbar: Toolbar;
   private readonly panel: StatePanel;
   private timeline: Timeline | null = null;
-  private undrawn: number[] = [];  // when what is not on the screen yet was heard [us]
+  private readonly latency = new Latency();
   private recording: Uint8Array[] | null = null;
   private dark = matchMedia('(prefers-color-scheme: dark)').matches;
   private modelStale = true;
@@ -84,7 +87,7 @@ export class App implements Actions {
   private take(record: StreamRecord, bytes: Uint8Array): void {
     const wasInStep = this.model.inStep;
     this.model.apply(record);
-    if ((record.kind === 'P' || record.kind === 'T') && record.heardUtime > 0) this.undrawn.push(record.heardUtime);
+    this.latency.heard(record);
     this.recording?.push(bytes.slice());
     this.modelStale = true;
     if (record.kind === 'T' && wasInStep && !this.model.inStep) this.live?.ask({ snapshot: true });
@@ -113,30 +116,29 @@ export class App implements Actions {
 
   private onDrawn(): void {
     this.numFrames += 1;
-    const nowUs = (performance.timeOrigin + performance.now()) * 1000;
-    for (const heard of this.undrawn) this.latenciesMs.push((nowUs - heard) / 1000);
-    this.undrawn = [];
-    this.latenciesMs = this.latenciesMs.slice(-KEPT_LATENCIES);
+    this.latency.onScreen((performance.timeOrigin + performance.now()) * 1000);
   }
 
-  latencyMs(): number | null {
-    const sorted = [...this.latenciesMs].sort((a, b) => a - b);
-    return sorted.length > 0 ? sorted[sorted.length >> 1] : null;
+  latencies(): Latencies {
+    return this.latency.medians();
   }
 
   private showPanels(): void {
     const { model, view } = this;
-    const voxels = view.voxels.numThere > 0 ? `, ${view.voxels.numDrawn} of ${view.voxels.numThere} cells` : '';
-    const counts = `${model.regions.size} regions, ${model.staircases.size} staircases${voxels}`;
-    this.panel.update(model, { live: this.live !== null, connected: this.live?.connected ?? false, latencyMs: this.latencyMs() }, counts);
+    const beside = [['voxels', view.voxels, 'cells'], ['points', view.points, 'points']] as const;
+    const clouds = beside.filter(([layer, cloud]) => view.shown.get(layer) && cloud.numThere > 0)
+      .map(([, cloud, name]) => `, ${cloud.numDrawn} of ${cloud.numThere} ${name}`).join('');
+    const counts = `${numberOf(model.regions.size, 'region')}, ${numberOf(model.staircases.size, 'staircase')}${clouds}`;
+    this.panel.update(model, { live: this.live !== null, connected: this.live?.connected ?? false, latencies: this.latencies() }, counts);
     const hasPicture = view.inset.texture !== null;
-    byId('inset').hidden = !hasPicture || !view.shown.get('image');
+    byId('inset').hidden = !hasPicture || !(view.shown.get('image') || view.shown.get('disparity'));
     if (model.camera) byId('inset').style.aspectRatio = `${model.camera.width} / ${model.camera.height}`;
-    byId('inset-caption').textContent = hasPicture ? `left camera, ${model.camera?.width ?? '?'}×${model.camera?.height ?? '?'}` : '';
+    byId('inset-caption').textContent = view.inset.caption(model.camera);
     const edges = [['drop', EDGE_COLOURS[1]], ['rise', EDGE_COLOURS[2]], ['joins', EDGE_COLOURS[3]], ['limit of view', EDGE_COLOURS[0]]];
     byId('legend').replaceChildren(
       ...legendOf(view.surfaces.mode, view.surfaces.scale, model.regions.values()).map((e) => h('div', {}, chip(`rgb(${e.colour.map(Math.round).join()})`), e.text)),
-      h('div', {}, 'hatched: predicted, not seen'), ...edges.map(([text, colour]) => h('div', {}, chip(colour, true), text)));
+      h('div', {}, 'hatched: predicted, not seen'), ...edges.map(([text, colour]) => h('div', {}, chip(colour, true), text)),
+      ...(model.truth.length > 0 && view.shown.get('truth') ? [h('div', {}, chip(TRUTH_COLOUR, true), 'truth')] : []));
     this.showDetails();
     this.showToolbar();
   }
@@ -210,7 +212,7 @@ export class App implements Actions {
 
   setLayer(layer: Layer, on: boolean): void {
     this.view.setLayer(layer, on);
-    if (layer === 'image' || layer === 'texture') this.live?.setImages(this.view.shown.get('image')! || this.view.shown.get('texture')!);
+    this.live?.setWants(wantsOf(this.view.shown));
     this.panelDue = 0;
   }
 

@@ -10,7 +10,7 @@ export class Live {
   connected = false;
   private socket: WebSocket | null = null;
   private retryMs = RETRY_FIRST_MS;
-  private wantsImages = true;
+  private wants: string[] = [];
 
   constructor(
     private readonly onRecord: (record: StreamRecord, bytes: Uint8Array) => void,
@@ -19,14 +19,16 @@ export class Live {
     this.connect();
   }
 
-  /// What the server is asked for: images (so that nobody pays for those that are not shown), commands.
+  /// What the server is asked for: commands, the whole map again.
   ask(request: object): void {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
   }
 
-  setImages(on: boolean): void {
-    this.wantsImages = on;
-    this.ask({ images: on });
+  /// What is sent only to whom it is shown, so that nobody pays for more: image, disparity, cells, points.
+  setWants(wants: string[]): void {
+    if (wants.join() === this.wants.join()) return;
+    this.wants = wants;
+    this.ask({ wants });
   }
 
   private connect(): void {
@@ -40,7 +42,7 @@ export class Live {
       this.retryMs = RETRY_FIRST_MS;
       this.connected = true;
       this.onConnection(true);
-      this.setImages(this.wantsImages);
+      this.ask({ wants: this.wants });
     };
     socket.onmessage = (event) => {
       const bytes = new Uint8Array(event.data as ArrayBuffer);

@@ -151,10 +151,24 @@ export interface ReplyMessage {
   message: string;
 }
 
+export interface FootstepPlanMessage {
+  utime: number;
+  map_id: number;
+  foot_radius: number;
+  n_steps: number;
+  side: number[];
+  pos: number[][];
+  normal: number[][];
+  heading: number[];
+  gait: number[];
+}
+
 export const SNAPSHOT = 0;
 export const DELTA = 1;
 export const LOST = 2;
 export const PREDICTED = 1;
+export const CLIMB = 1;
+export const RIGHT = 1;
 
 function decoder<T>(name: string): (bytes: Uint8Array) => T {
   return (bytes) => types.decode(name, bytes) as unknown as T;
@@ -163,4 +177,5 @@ function decoder<T>(name: string): (bytes: Uint8Array) => T {
 export const decodeTerrain = decoder<TerrainMessage>('terrain_v1_t');
 export const decodePose = decoder<PoseMessage>('pose_v1_t');
 export const decodeStatus = decoder<StatusMessage>('status_v1_t');
+export const decodePlan = decoder<FootstepPlanMessage>('footstep_plan_v1_t');
 export const decodeReply = decoder<ReplyMessage>('command_reply_v1_t');

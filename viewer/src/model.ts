@@ -2,11 +2,12 @@
 // What the robot believes, as far as the records that came tell: the map, the path, the daemon's state. Knows nothing of
 // how it is drawn.
 import {
-  DELTA, decodePose, decodeReply, decodeStatus, decodeTerrain, LOST, PoseMessage, ReplyMessage, SNAPSHOT, StaircaseMessage,
-  StatusMessage, TerrainMessage,
+  DELTA, decodePlan, decodePose, decodeReply, decodeStatus, decodeTerrain, FootstepPlanMessage, LOST, PoseMessage, ReplyMessage,
+  SNAPSHOT, StaircaseMessage, StatusMessage, TerrainMessage,
 } from './messages';
 import { jsonOf, StreamRecord } from './records';
 import { Region } from './region';
+import { Cubes, readCells, readPoints } from './surroundings';
 import { compose, inverse, Pose, poseOf } from './space';
 
 export interface Hello {
@@ -43,9 +44,10 @@ export interface Picture {
   jpeg: Uint8Array;
 }
 
-export interface Voxels {
-  sizeM: number;
-  positions: Float32Array;  // x,y,z,... world [m]
+/// Disparity as a picture, and what its colours run between.
+export interface DisparityPicture extends Picture {
+  leastPx: number;
+  greatestPx: number;
 }
 
 const STATUS_SECONDS = 60;
@@ -62,7 +64,12 @@ export class Model {
   statuses: StatusMessage[] = [];  // of the last minute, oldest first
   replies: ReplyMessage[] = [];
   picture: Picture | null = null;
-  voxels: Voxels | null = null;
+  disparity: DisparityPicture | null = null;
+  cells: Cubes | null = null;   // of the octree, beside the regions
+  points: Cubes | null = null;  // of a disparity image, beside the regions
+  plan: FootstepPlanMessage | null = null;
+  truth: Region[] = [];                // true surfaces, in the world of the result
+  trueWay: Float32Array | null = null;  // x,y,z,... of the left camera
   inStep = true;
   numBad = 0;
   lastProblem = '';
@@ -89,7 +96,9 @@ export class Model {
     this.statuses = [];
     this.replies = [];
     this.picture = null;
-    this.voxels = null;
+    this.disparity = null;
+    this.plan = null;
+    this.forgetSurroundings();
   }
 
   /// The left camera in the world, newest first known of; before any terrain the body's place stands for it.
@@ -113,7 +122,12 @@ export class Model {
       case 'S': this.takeStatus(decodeStatus(record.content)); break;
       case 'R': this.replies = [...this.replies, decodeReply(record.content)].slice(-5); break;
       case 'I': this.picture = { utime: record.utime, jpeg: record.content }; break;
-      case 'V': this.takeVoxels(record.content); break;
+      case 'D': this.disparity = disparityOf(record); break;
+      case 'V': this.cells = readCells(record.content); break;
+      case 'N': this.points = readPoints(record.content); break;
+      case 'G': this.plan = decodePlan(record.content); break;
+      case 'U': this.truth = decodeTerrain(record.content).regions.map((r) => new Region(r)); break;
+      case 'W': this.trueWay = new Float32Array(record.content.slice().buffer); break;
       default: throw new Error(`a record of unknown kind ${record.kind as string}`);
     }
   }
@@ -156,6 +170,13 @@ export class Model {
     for (const id of [...this.regions.keys()]) {
       if (other || !kept.has(id)) this.drop(id);
     }
+    // What was in another world is nowhere in this one.
+    if (other) this.forgetSurroundings();
+  }
+
+  private forgetSurroundings(): void {
+    this.cells = null;
+    this.points = null;
   }
 
   private clearMap(): void {
@@ -184,10 +205,9 @@ export class Model {
     const since = message.utime - 1e6 * STATUS_SECONDS;
     this.statuses = [...this.statuses.filter((s) => s.utime >= since && s.utime < message.utime), message];
   }
+}
 
-  private takeVoxels(content: Uint8Array): void {
-    const copy = content.slice();  // floats must lie at a multiple of four
-    const values = new Float32Array(copy.buffer, 0, Math.floor(copy.length / 4));
-    this.voxels = { sizeM: values[0], positions: values.subarray(1) };
-  }
+function disparityOf(record: StreamRecord): DisparityPicture {
+  const view = new DataView(record.content.buffer, record.content.byteOffset, record.content.byteLength);
+  return { utime: record.utime, leastPx: view.getFloat32(0, true), greatestPx: view.getFloat32(4, true), jpeg: record.content.subarray(8) };
 }

@@ -6,6 +6,7 @@ export const LABELS = ['unknown', 'walkway', 'ramp', 'stair tread', 'stair riser
 export const LABEL_COLOURS = ['#8f8f8f', '#009e73', '#f0e442', '#56b4e9', '#0072b2', '#c9c3b8', '#cc79a7', '#e69f00'];
 export const EDGE_KINDS = ['limit of view', 'drop', 'rise', 'joins'];
 export const EDGE_COLOURS = ['#6b6b6b', '#d55e00', '#1f2d5a', '#ffffff'];
+export const TRUTH_COLOUR = '#7a00cc';
 export const DROP = 1;
 export const RISE = 2;
 export const SOURCES = ['seen', 'predicted', 'felt by the feet'];

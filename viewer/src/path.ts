@@ -79,8 +79,13 @@ export class CameraPath {
   }
 
   private drawCamera(pose: Pose | null, view: CameraInfo): void {
-    this.camera.visible = this.camera.visible && pose !== null;
-    if (!pose) return;
+    this.camera.geometry.dispose();
+    // Otherwise three.js keeps the old buffer, and cuts off what is longer.
+    this.camera.geometry.deleteAttribute('position');
+    if (!pose) {
+      this.camera.geometry.setFromPoints([]);
+      return;
+    }
     const corners = [[0, 0], [view.width, 0], [view.width, view.height], [0, view.height]].map(([u, v]) => (
       new Vector3((u - view.cx) / view.fx, (v - view.cy) / view.fy, 1).multiplyScalar(FRUSTUM_M)));
     const points: Vector3[] = [];
@@ -88,7 +93,6 @@ export class CameraPath {
     const up = new Vector3(0, (-view.cy / view.fy) * 1.25, 1).multiplyScalar(FRUSTUM_M);
     points.push(corners[0], up, up, corners[1]);
     const T = matrixOf(pose);
-    this.camera.geometry.dispose();
     this.camera.geometry.setFromPoints(points.map((p) => p.clone().applyMatrix4(T)));
   }
 }

@@ -3,7 +3,7 @@
 import { Model } from './model';
 import { StreamRecord } from './records';
 
-const TIMELESS = 'HFC';  // who speaks, figures, the camera: known from the start
+const TIMELESS = 'HFCUW';  // who speaks, figures, the camera, the truth: known from the start
 
 /// When it was heard: clocks of different senders need not agree. What never was live has its own time.
 function timeOf(record: StreamRecord): number {

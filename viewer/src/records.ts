@@ -3,7 +3,7 @@
 // tools/view_record.h: kind (1 byte), 3 bytes of nothing, when it happened and when it was heard (int64, microseconds,
 // little endian), the content. In a recording each has its length (uint32) before it.
 
-export type Kind = 'H' | 'T' | 'P' | 'S' | 'R' | 'C' | 'I' | 'F' | 'V';
+export type Kind = 'H' | 'T' | 'P' | 'S' | 'R' | 'C' | 'I' | 'F' | 'V' | 'D' | 'N' | 'G' | 'U' | 'W';
 
 export interface StreamRecord {
   kind: Kind;

@@ -3,13 +3,14 @@
 import { adviceOn, figuresOf } from './advice';
 import { drawStages } from './chart';
 import { chip, h, table } from './dom';
+import { Latencies } from './latency';
 import { Model } from './model';
 import { STAGE_COLOURS } from './palette';
 
 export interface Connection {
   live: boolean;
   connected: boolean;
-  latencyMs: number | null;  // median from hearing a pose or a map to the screen
+  latencies: Latencies;
 }
 
 export class StatePanel {
@@ -36,8 +37,11 @@ export class StatePanel {
     if (model.numBad > 0) words.push(h('p', { class: 'bad' }, `${model.numBad} messages could not be read: ${model.lastProblem}.`));
     for (const reply of model.replies.slice(-1)) words.push(h('p', { class: reply.result === 0 ? 'good' : 'bad' }, `Answer: ${reply.message}`));
     const rows: [string, string][] = status ? figuresOf(status) : [];
+    if (model.camera) rows.push(['calibration', `rectified ${model.camera.width}×${model.camera.height}, f ${model.camera.fx.toFixed(1)} px`]);
     rows.push(['drawn', counts]);
-    if (connection.latencyMs !== null) rows.push(['bus to screen', `${connection.latencyMs.toFixed(0)} ms`]);
+    const { busMs, imageToPoseMs, imageToMapMs } = connection.latencies;
+    if (busMs !== null) rows.push(['bus to screen', `${busMs.toFixed(0)} ms`]);
+    if (imageToPoseMs !== null) rows.push(['image to screen', `${imageToPoseMs.toFixed(0)} ms its pose${imageToMapMs === null ? '' : `, ${imageToMapMs.toFixed(0)} ms its map`}`]);
     this.words.replaceChildren(...words, ...(model.figures ? [h('h2', {}, model.figures.title), table(model.figures.rows)] : []), table(rows));
     this.updateStages(model);
     this.updateFigures(model);

@@ -8,6 +8,7 @@ import {
 import { colourFor, Mode, Scale } from './colouring';
 import { Colour, colourOf, DROP, EDGE_COLOURS, RISE } from './palette';
 import { Region } from './region';
+import { SOLID_LAYER } from './seen_depth';
 
 /// What is drawn over the camera's image, too.
 export const OVERLAY_LAYER = 1;
@@ -23,31 +24,55 @@ attribute vec4 tint;
 attribute vec2 place;
 varying vec4 vTint;
 varying vec2 vPlace;
+#ifdef TEXTURED
 varying vec4 vImage;
 uniform mat4 imageFromWorld;
+#endif
 void main() {
   vTint = tint;
   vPlace = place;
+#ifdef TEXTURED
   vImage = imageFromWorld * vec4(position, 1.0);
+#endif
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 const FRAGMENT = `
 varying vec4 vTint;
 varying vec2 vPlace;
+#ifdef TEXTURED
 varying vec4 vImage;
 uniform sampler2D image;
-uniform float textured;
+uniform sampler2D seenDepth;
+uniform vec2 nearFarM;
+/// Whether nothing nearer hid this place from the camera of the image, give or take the noise of surfaces.
+bool wasSeen(vec2 at, float depthM) {
+  float inBuffer = texture2D(seenDepth, at).r;
+  float nearestM = nearFarM.x * nearFarM.y / (nearFarM.y - inBuffer * (nearFarM.y - nearFarM.x));
+  return depthM < 1.01 * nearestM + 0.02;
+}
+#endif
 uniform float showPredicted;
 uniform float opacity;
 void main() {
   if (vTint.a < 0.5 && (showPredicted < 0.5 || fract((vPlace.x + vPlace.y) * 14.0) < 0.45)) discard;
   vec3 colour = gl_FrontFacing ? vTint.rgb : 0.55 * vTint.rgb;
-  if (textured > 0.5 && vImage.z > 0.0) {
-    vec2 at = vImage.xy / vImage.z;
-    if (at.x > 0.0 && at.x < 1.0 && at.y > 0.0 && at.y < 1.0) colour = mix(texture2D(image, at).rgb, colour, 0.25);
+#ifdef TEXTURED
+  vec2 at = vImage.xy / vImage.z;
+  if (vImage.z > 0.0 && at.x > 0.0 && at.x < 1.0 && at.y > 0.0 && at.y < 1.0 && wasSeen(at, vImage.z)) {
+    colour = mix(texture2D(image, at).rgb, colour, 0.25);
   }
+#endif
   gl_FragColor = vec4(colour, opacity);
 }`;
+
+/// A picture, and what of the world is in it.
+export interface ProjectedImage {
+  image: Texture;
+  imageFromWorld: Matrix4;  // to coordinates of the picture, times depth
+  seenDepth: Texture;       // depth buffer of a projection with the two planes
+  nearM: number;
+  farM: number;
+}
 
 interface Chunk {
   ids: Set<number>;
@@ -90,8 +115,7 @@ export class Surfaces {
   private readonly chunks = new Map<number, Chunk>();
   private readonly layers = { fill: true, bands: true, lines: true };
   private readonly uniforms = {
-    image: { value: new Texture() }, imageFromWorld: { value: new Matrix4() }, textured: { value: 0 }, showPredicted: { value: 1 },
-    opacity: { value: 1 },
+    image: { value: new Texture() }, seenDepth: { value: new Texture() }, nearFarM: { value: new Vector2() }, imageFromWorld: { value: new Matrix4() }, showPredicted: { value: 1 }, opacity: { value: 1 },
   };
   private readonly fillMaterial = new ShaderMaterial({
     vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: this.uniforms, side: DoubleSide,
@@ -99,9 +123,12 @@ export class Surfaces {
   });
   private readonly bandMaterial = new ShaderMaterial({
     vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide,
-    uniforms: { ...this.uniforms, textured: { value: 0 }, opacity: { value: 1 } },
+    uniforms: { ...this.uniforms, opacity: { value: 1 } },
   });
   private readonly lineMaterial = new LineBasicMaterial({ vertexColors: true });
+
+  /// @param outline  colour of all outlines; none: by the kind of each edge
+  constructor(private readonly outline: Colour | null = null) {}
 
   /// Makes anew what holds these regions.
   update(regions: Map<number, Region>, touched: Iterable<number>): void {
@@ -141,11 +168,18 @@ export class Surfaces {
     this.uniforms.showPredicted.value = on ? 1 : 0;
   }
 
-  /// The camera image on the regions; none without a picture.
-  setTexture(image: Texture | null, imageFromWorld: Matrix4 | null): void {
-    this.uniforms.textured.value = image && imageFromWorld ? 1 : 0;
-    if (image) this.uniforms.image.value = image;
-    if (imageFromWorld) this.uniforms.imageFromWorld.value = imageFromWorld;
+  /// The camera image on the regions that it shows; null: none.
+  setTexture(projected: ProjectedImage | null): void {
+    const textured = projected !== null;
+    if (textured !== 'TEXTURED' in this.fillMaterial.defines) {
+      this.fillMaterial.defines = textured ? { TEXTURED: '' } : {};
+      this.fillMaterial.needsUpdate = true;
+    }
+    if (!projected) return;
+    this.uniforms.image.value = projected.image;
+    this.uniforms.imageFromWorld.value = projected.imageFromWorld;
+    this.uniforms.seenDepth.value = projected.seenDepth;
+    this.uniforms.nearFarM.value.set(projected.nearM, projected.farM);
   }
 
   setOpacity(opacity: number): void {
@@ -168,6 +202,7 @@ export class Surfaces {
     };
     for (const layer of ['fill', 'bands', 'lines'] as const) chunk[layer].visible = this.layers[layer];
     for (const object of [chunk.fill, chunk.bands, chunk.lines]) object.layers.enable(OVERLAY_LAYER);
+    if (!this.outline) chunk.fill.layers.enable(SOLID_LAYER);  // truth hides nothing
     this.group.add(chunk.fill, chunk.bands, chunk.lines);
     this.chunks.set(key, chunk);
     return chunk;
@@ -224,7 +259,7 @@ export class Surfaces {
     const n = ring.length / 2;
     for (let i = 0; i < n; ++i) {
       const j = (i + 1) % n;
-      const colour = region.id === this.selected ? SELECTED : EDGES[region.edges[ringIndex][i].kind] ?? EDGES[0];
+      const colour = region.id === this.selected ? SELECTED : this.outline ?? EDGES[region.edges[ringIndex][i].kind] ?? EDGES[0];
       out.add(region.toWorld(ring[2 * i], ring[2 * i + 1], BAND_LIFT_M), colour, true);
       out.add(region.toWorld(ring[2 * j], ring[2 * j + 1], BAND_LIFT_M), colour, true);
     }

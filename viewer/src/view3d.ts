@@ -6,18 +6,31 @@ import {
 import { Cameras } from './cameras';
 import { Mode } from './colouring';
 import { Detail } from './detail';
-import { imageFromWorld, Inset } from './inset';
+import { Footsteps } from './footsteps';
+import { Inset } from './inset';
 import { disposeSprite, fitSprite, textSprite } from './labels';
 import { Model } from './model';
 import { CameraPath } from './path';
 import { Region } from './region';
 import { Staircases } from './staircases';
 import { Surfaces } from './surfaces';
+import { Truth } from './truth';
 import { VoxelCloud } from './voxels';
 
-export const LAYERS = ['surfaces', 'outlines', 'edges', 'predicted', 'staircases', 'path', 'covariance', 'camera', 'voxels', 'grid', 'image', 'texture'] as const;
+export const LAYERS = [
+  'surfaces', 'outlines', 'edges', 'predicted', 'staircases', 'path', 'covariance', 'camera', 'footsteps', 'voxels', 'points', 'truth',
+  'true surfaces', 'grid', 'image', 'disparity', 'texture',
+] as const;
 export type Layer = (typeof LAYERS)[number];
-const OFF_AT_FIRST: readonly Layer[] = ['texture'];
+const OFF_AT_FIRST: readonly Layer[] = ['points', 'true surfaces', 'disparity', 'texture'];
+
+/// What has to be sent for a layer, beside what is sent to everybody; `image` for the picture and for the texture.
+const WANTED: Partial<Record<Layer, string>> = { image: 'image', texture: 'image', disparity: 'disparity', voxels: 'cells', points: 'points' };
+
+export function wantsOf(shown: Map<Layer, boolean>): string[] {
+  const wants = LAYERS.filter((layer) => shown.get(layer)).map((layer) => WANTED[layer]).filter((want) => want !== undefined);
+  return [...new Set(wants)];
+}
 
 export function isShownAtFirst(layer: Layer): boolean {
   return !OFF_AT_FIRST.includes(layer);
@@ -41,7 +54,10 @@ export class View3d {
   readonly surfaces = new Surfaces();
   readonly staircases = new Staircases();
   readonly path = new CameraPath();
-  readonly voxels = new VoxelCloud();
+  readonly footsteps = new Footsteps();
+  readonly truth = new Truth();
+  readonly voxels = new VoxelCloud('#9e8cb8');
+  readonly points = new VoxelCloud('#c07f4a');
   readonly inset = new Inset(() => this.invalidate());
   readonly cameras: Cameras;
   readonly shown = new Map<Layer, boolean>(LAYERS.map((layer) => [layer, isShownAtFirst(layer)]));
@@ -64,7 +80,9 @@ export class View3d {
     this.cameras = new Cameras(canvas);
     this.cameras.controls.addEventListener('change', () => this.invalidate());
     this.grid.rotateX(Math.PI / 2);
-    this.scene.add(this.surfaces.group, this.staircases.group, this.path.line, this.path.covariance, this.path.camera, this.voxels.points, this.grid);
+    this.scene.add(this.surfaces.group, this.staircases.group, this.path.line, this.path.covariance, this.path.camera, this.footsteps.group, this.truth.group,
+      this.voxels.points, this.points.points, this.grid);
+    for (const layer of LAYERS) this.applyLayer(layer, this.shown.get(layer)!);
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
   }
@@ -82,10 +100,15 @@ export class View3d {
     }
     this.staircases.update(this.model.staircases, this.model.regions);
     this.path.update(this.model);
-    this.inset.update(this.model);
+    this.footsteps.update(this.model.plan);
+    this.truth.update(this.model);
+    this.inset.update(this.model, this.shown.get('disparity')!);
     const pose = this.model.cameraPose();
     if (pose) this.cameras.moveRobot(pose.position);
-    this.voxels.update(this.model.voxels, pose?.position ?? new Vector3());
+    for (const [cloud, cubes] of [[this.voxels, this.model.cells], [this.points, this.model.points]] as const) {
+      cloud.update(cubes, pose?.position ?? new Vector3());
+      cloud.draw(this.detail.share);
+    }
     if (!this.framed && this.model.regions.size > 0) this.frameAll();
     this.invalidate();
   }
@@ -105,6 +128,11 @@ export class View3d {
 
   setLayer(layer: Layer, on: boolean): void {
     this.shown.set(layer, on);
+    this.applyLayer(layer, on);
+    this.invalidate();
+  }
+
+  private applyLayer(layer: Layer, on: boolean): void {
     switch (layer) {
       case 'surfaces': this.surfaces.show('fill', on); break;
       case 'outlines': this.applyDetail(); break;
@@ -114,12 +142,19 @@ export class View3d {
       case 'path': this.path.line.visible = on; break;
       case 'covariance': this.path.covariance.visible = on; break;
       case 'camera': this.path.camera.visible = on; break;
+      case 'footsteps': this.footsteps.group.visible = on; break;
       case 'voxels': this.voxels.points.visible = on; break;
+      case 'points': this.points.points.visible = on; break;
+      case 'truth': this.truth.showOutlines(on); break;
+      case 'true surfaces': this.truth.surfaces.show('fill', on); break;
       case 'grid': this.grid.visible = on; break;
-      case 'image': this.insetFrame.hidden = !on; break;
+      case 'image':
+      case 'disparity':
+        this.insetFrame.hidden = !this.shown.get('image') && !this.shown.get('disparity');
+        this.inset.update(this.model, this.shown.get('disparity')!);
+        break;
       case 'texture': break;
     }
-    this.invalidate();
   }
 
   setTheme(paper: string, gridColour: string): void {
@@ -208,7 +243,7 @@ export class View3d {
     this.updateTexture();
     const camera = this.cameras.active;
     const pixelsPerRad = 0.5 * size.y * this.renderer.getPixelRatio() * camera.projectionMatrix.elements[5];
-    this.voxels.setPixelsPerRad(pixelsPerRad);
+    for (const cloud of [this.voxels, this.points]) cloud.setPixelsPerRad(pixelsPerRad);
     const flatHeightM = camera instanceof OrthographicCamera ? (camera.top - camera.bottom) / camera.zoom : null;
     this.surfaces.thinBands(camera.position, this.detail.thinsBands && flatHeightM === null ? pixelsPerRad : null);
     this.scene.traverse((object) => { if (object instanceof Sprite) fitSprite(object, flatHeightM); });
@@ -226,7 +261,7 @@ export class View3d {
   }
 
   private applyDetail(): void {
-    this.voxels.draw(this.detail.share);
+    for (const cloud of [this.voxels, this.points]) cloud.draw(this.detail.share);
     this.renderer.setPixelRatio(this.pixelRatio * this.detail.sharpness);
     // What a drop is stays; outlines are the next to be missed least.
     this.surfaces.show('lines', this.shown.get('outlines')! && this.detail.level < 2);
@@ -245,9 +280,8 @@ export class View3d {
   }
 
   private updateTexture(): void {
-    const { texture, picturePose } = this.inset;
-    const wanted = this.shown.get('texture') && texture && picturePose && this.model.camera;
-    this.surfaces.setTexture(wanted ? texture : null, wanted ? imageFromWorld(this.model.camera!, picturePose!) : null);
+    const wanted = this.shown.get('texture')!;
+    this.surfaces.setTexture(wanted ? this.inset.projected(this.renderer, this.scene, this.model.camera) : null);
   }
 
   /// Heights and ages run over what is there; true when the scale has changed.
