@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "core/field_problems.h"
 #include "stereo/cloud.h"
 
 namespace terrace {
@@ -17,10 +18,10 @@ int LowestBit(int i) { return i & -i; }
 }  // namespace
 
 std::vector<std::string> CloudConfig::Problems() const {
-  std::vector<std::string> problems;
-  if (!(max_depth_sigma_m > 0.0)) problems.push_back("max_depth_sigma_m must be positive");
-  if (!(min_spacing_m >= 0.0)) problems.push_back("min_spacing_m must not be negative");
-  return problems;
+  FieldProblems problems;
+  problems.RequireAbove("max_depth_sigma_m", max_depth_sigma_m, 0.0);
+  problems.RequireAtLeast("min_spacing_m", min_spacing_m, 0.0);
+  return problems.Take();
 }
 
 Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, const CloudConfig& config,
