@@ -8,6 +8,7 @@
 #include "client/convex_ring.h"
 #include "client/deepest_point.h"
 #include "client/inset.h"
+#include "core/plane_rings.h"
 
 namespace terrace {
 namespace {
@@ -38,7 +39,7 @@ std::vector<FlatRing> ConvexCover(const FlatPolygon& free, double min_area_m2) {
     left = Without(left, {ring, RingOf({deepest.point - Eigen::Vector2d::Constant(0.5 * kThin_m),
                                         deepest.point + Eigen::Vector2d::Constant(0.5 * kThin_m)})});
     const double worth_m2 = std::min(min_area_m2, kWorthHaving * free.area_m2());
-    if (FlatArea(ring) >= min_area_m2 && gain_m2 >= worth_m2) cover.push_back(std::move(ring));
+    if (SignedArea(ring) >= min_area_m2 && gain_m2 >= worth_m2) cover.push_back(std::move(ring));
   }
   return cover;
 }

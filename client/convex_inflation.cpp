@@ -10,6 +10,7 @@
 
 #include "client/convex_ring.h"
 #include "client/convex_straightening.h"
+#include "core/plane_rings.h"
 
 namespace terrace {
 namespace {
@@ -17,7 +18,8 @@ namespace {
 /// What the edges of `free` leave around `middle`, when distances are measured as |stretch (p - middle)|.
 FlatRing PushedAway(const FlatPolygon& free, const Eigen::Vector2d& middle, const Eigen::Matrix2d& stretch) {
   const auto nearest = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return NearestOnSegment(stretch * (a - middle), stretch * (b - middle), Eigen::Vector2d::Zero());
+    const Eigen::Vector2d from = stretch * (a - middle), to = stretch * (b - middle), origin(0.0, 0.0);
+    return NearestOnSegment(from, to, origin);
   };
   std::vector<std::pair<double, std::size_t>> by_distance;
   for (std::size_t i = 0; i < free.num_edges(); ++i)
@@ -48,7 +50,7 @@ Eigen::Matrix2d StretchFor(const Eigen::Matrix2d& covariance, double power) {
 
 FlatRing Inflate(const FlatPolygon& free, const Eigen::Vector2d& seed, const Inflation& how) {
   if (free.empty() || !free.Contains(seed)) return {};
-  const auto worth = [&](const FlatRing& ring) { return how.worth ? how.worth(ring) : FlatArea(ring); };
+  const auto worth = [&](const FlatRing& ring) { return how.worth ? how.worth(ring) : SignedArea(ring); };
   FlatRing best = PushedAway(free, seed, Eigen::Matrix2d::Identity());
   if (best.empty()) return {};
   double best_worth = worth(best);

@@ -4,12 +4,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/plane_rings.h"
+
 namespace terrace {
-namespace {
-
-double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-}  // namespace
 
 FlatRing RingOf(const Eigen::AlignedBox2d& box) {
   return {box.min(), {box.max().x(), box.min().y()}, box.max(), {box.min().x(), box.max().y()}};

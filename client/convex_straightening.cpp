@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/convex_ring.h"
+#include "core/plane_rings.h"
 
 namespace terrace {
 namespace {
@@ -82,7 +83,7 @@ class SideSearch {
   double Leaves(const Side& side) const {
     if (!(side.normal.dot(keep_inside_) < side.offset)) return 0.0;
     const FlatRing ring = Cut(without_side_, side.normal, side.offset);
-    return ring.empty() ? 0.0 : FlatArea(ring);
+    return ring.empty() ? 0.0 : SignedArea(ring);
   }
 
   FlatRing without_side_;
@@ -97,7 +98,7 @@ FlatRing Straightened(const FlatPolygon& free, FlatRing ring, const Eigen::Vecto
   constexpr double kGain = 1.002;
   const Eigen::AlignedBox2d box = free.box();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    const double before = FlatArea(ring);
+    const double before = SignedArea(ring);
     std::vector<Side> sides = SidesOf(ring);
     for (std::size_t i = 0; i < sides.size();) {
       const SideSearch search(free, WithoutSide(sides, i, box), keep_inside);
@@ -109,9 +110,9 @@ FlatRing Straightened(const FlatPolygon& free, FlatRing ring, const Eigen::Vecto
       ++i;
     }
     FlatRing straight = WithoutSide(sides, sides.size(), box);
-    if (straight.empty() || !(FlatArea(straight) > before)) break;
+    if (straight.empty() || !(SignedArea(straight) > before)) break;
     ring = std::move(straight);
-    if (FlatArea(ring) < kGain * before) break;
+    if (SignedArea(ring) < kGain * before) break;
   }
   return ring;
 }

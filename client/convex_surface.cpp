@@ -9,6 +9,7 @@
 #include "client/convex_ring.h"
 #include "client/inset.h"
 #include "core/check.h"
+#include "core/plane_rings.h"
 
 namespace terrace {
 namespace {
@@ -30,7 +31,7 @@ ConvexSurface SurfaceOf(const TerrainQuery::Entry& entry, FlatRing ring) {
     surface.A.row(i) = outward.transpose();
     surface.b(i) = outward.dot(from);
   }
-  surface.area_m2 = FlatArea(ring);
+  surface.area_m2 = SignedArea(ring);
   surface.vertices = std::move(ring);
   return surface;
 }

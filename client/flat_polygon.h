@@ -10,14 +10,12 @@
 #include <Eigen/Core>
 
 #include "client/box_tree.h"
+#include "core/plane_rings.h"
 
 namespace terrace {
 
 /// A closed ring in the axes of a plane [m]; the first vertex is not repeated.
-using FlatRing = std::vector<Eigen::Vector2d>;
-
-/// Area enclosed by a ring [m^2]; positive: counter-clockwise.
-double FlatArea(const FlatRing& ring);
+using FlatRing = Ring2;
 
 /// A polygon with holes (or several polygons that do not overlap) in the axes of a plane, ready to be asked.
 /// Edges are counted through: edge i starts at vertex i of the rings laid end to end.
@@ -57,10 +55,6 @@ class FlatPolygon {
   BoxTree<2> tree_;
   double area_m2_ = 0.0;
 };
-
-/// The point of the segment from a to b that is nearest.
-Eigen::Vector2d NearestOnSegment(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                                 const Eigen::Vector2d& point);
 
 template <typename Counts>
 FlatPolygon::Approach FlatPolygon::NearestEdge(const Eigen::Vector2d& point, const Counts& counts) const {

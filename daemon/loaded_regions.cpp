@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/inset.h"
+#include "core/plane_rings.h"
 
 namespace terrace {
 namespace {
@@ -44,20 +45,20 @@ struct Piece {
 std::vector<Piece> PiecesOf(const FlatPolygon& polygon) {
   std::vector<Piece> pieces;
   for (const FlatRing& ring : polygon.rings()) {
-    const double area_m2 = FlatArea(ring);
+    const double area_m2 = SignedArea(ring);
     if (area_m2 > 0.0) pieces.push_back({ring, {}, area_m2});
   }
   for (const FlatRing& ring : polygon.rings()) {
-    if (FlatArea(ring) >= 0.0) continue;
+    if (SignedArea(ring) >= 0.0) continue;
     // Outlines can lie in holes: the smallest around it is its own.
     Piece* own = nullptr;
     for (Piece& piece : pieces) {
-      const bool smaller = own == nullptr || FlatArea(piece.outline) < FlatArea(own->outline);
+      const bool smaller = own == nullptr || SignedArea(piece.outline) < SignedArea(own->outline);
       if (smaller && FlatPolygon({piece.outline}).Contains(ring.front())) own = &piece;
     }
     if (own == nullptr) continue;
     own->holes.push_back(ring);
-    own->area_m2 += FlatArea(ring);
+    own->area_m2 += SignedArea(ring);
   }
   std::erase_if(pieces, [](const Piece& piece) {
     if (piece.area_m2 < kMinArea_m2) return true;

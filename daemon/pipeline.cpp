@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/check.h"
+#include "core/field_problems.h"
 
 namespace terrace {
 namespace {
@@ -23,12 +24,9 @@ DisparityConfig MatcherFor(const DisparityConfig& config, const StereoCamera& ca
 }  // namespace
 
 std::vector<std::string> FlowConfig::Problems() const {
-  std::vector<std::string> problems;
-  if (feedback_lag_frames < 1 || feedback_lag_frames > 16) {
-    problems.push_back("feedback_lag_frames = " + std::to_string(feedback_lag_frames) +
-                       " must lie between 1 and 16");
-  }
-  return problems;
+  FieldProblems problems;
+  problems.RequireWithin("feedback_lag_frames", feedback_lag_frames, 1, 16);
+  return problems.Take();
 }
 
 Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibration,

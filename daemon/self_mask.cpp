@@ -9,6 +9,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "core/field_problems.h"
+#include "core/plane_rings.h"
 #include "daemon/config.h"
 #include "datasets/image_file.h"
 #include "stereo/image_scale.h"
@@ -52,12 +54,7 @@ struct Capsule {
   Eigen::Vector3d from, to;
   double radius_m;
 
-  double DistanceTo(const Eigen::Vector3d& p) const {
-    const Eigen::Vector3d along = to - from;
-    const double length2 = along.squaredNorm();
-    const double s = length2 > 0.0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
-    return (from + s * along - p).norm();
-  }
+  double DistanceTo(const Eigen::Vector3d& p) const { return (NearestOnSegment(from, to, p) - p).norm(); }
   bool Contains(const Eigen::Vector3d& p) const { return DistanceTo(p) <= radius_m; }
   /// The ray's point nearest to the axis lies between those nearest to its ends; the distance to a segment is
   /// convex along a line, so halving by thirds finds it.
@@ -145,23 +142,24 @@ cv::Mat1b RectifiedMask(const Rectifier& rectifier, GrayImage raw) {
 }  // namespace
 
 std::vector<std::string> SelfMaskConfig::Problems() const {
-  std::vector<std::string> problems;
-  if (self_mask_pixels != "rectified" && self_mask_pixels != "raw")
-    problems.push_back("self_mask_pixels must be rectified or raw");
-  if (self_boxes_m.size() % kBoxNumbers != 0)
-    problems.push_back("self_boxes_m must hold six numbers a box: two opposite corners");
-  if (self_capsules_m.size() % kCapsuleNumbers != 0)
-    problems.push_back("self_capsules_m must hold seven numbers a capsule: two ends, radius");
+  FieldProblems problems;
+  problems.Require(self_mask_pixels == "rectified" || self_mask_pixels == "raw", "self_mask_pixels",
+                   self_mask_pixels, "be rectified or raw");
+  problems.Require(self_boxes_m.size() % kBoxNumbers == 0, "self_boxes_m", self_boxes_m,
+                   "hold six numbers a box: two opposite corners");
+  problems.Require(self_capsules_m.size() % kCapsuleNumbers == 0, "self_capsules_m", self_capsules_m,
+                   "hold seven numbers a capsule: two ends, radius");
   for (const auto& [name, numbers] :
        {std::pair{"self_boxes_m", &self_boxes_m}, std::pair{"self_capsules_m", &self_capsules_m}}) {
-    if (std::any_of(numbers->begin(), numbers->end(),
-                    [](double x) { return !(std::abs(x) <= kLargestRobotM); }))
-      problems.push_back(std::string(name) + " must lie within 10 m of the body");
+    problems.Require(
+        std::all_of(numbers->begin(), numbers->end(), [](double x) { return std::abs(x) <= kLargestRobotM; }),
+        name, *numbers, "lie within 10 m of the body");
   }
-  for (const Capsule& capsule : CapsulesOf(self_capsules_m)) {
-    if (!(capsule.radius_m > 0.0)) problems.push_back("self_capsules_m must have radii above 0");
-  }
-  return problems;
+  const std::vector<Capsule> capsules = CapsulesOf(self_capsules_m);
+  problems.Require(
+      std::all_of(capsules.begin(), capsules.end(), [](const Capsule& c) { return c.radius_m > 0.0; }),
+      "self_capsules_m", self_capsules_m, "have radii above 0");
+  return problems.Take();
 }
 
 void HideParts(const SelfMaskConfig& parts, const StereoCamera& camera, const Eigen::Isometry3d& T_body_left,

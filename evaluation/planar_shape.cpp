@@ -10,7 +10,7 @@ namespace terrace {
 PlanarShape::PlanarShape(const Plane& plane, const Ring& outline, const std::vector<Ring>& holes)
     : plane_(plane), axes_(AxesOf(plane.normal)) {
   const auto add = [this](const Ring& ring) {
-    std::vector<Eigen::Vector2d>& flat = rings_.emplace_back();
+    Ring2& flat = rings_.emplace_back();
     for (const Eigen::Vector3d& p : ring) flat.push_back(InPlane(p));
   };
   add(outline);
@@ -29,31 +29,16 @@ bool PlanarShape::Contains(const Eigen::Vector2d& q) const {
   if (!box_.contains(q)) return false;
   // Even-odd rule over all rings at once: a point in a hole crosses two outlines.
   bool inside = false;
-  for (const auto& ring : rings_) {
-    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      const Eigen::Vector2d& a = ring[i];
-      const Eigen::Vector2d& b = ring[j];
-      if ((a.y() > q.y()) != (b.y() > q.y()) &&
-          q.x() < (b.x() - a.x()) * (q.y() - a.y()) / (b.y() - a.y()) + a.x()) {
-        inside = !inside;
-      }
-    }
-  }
+  for (const Ring2& ring : rings_) inside = inside != terrace::Contains(ring, q);
   return inside;
 }
 
 double PlanarShape::DistanceToEdge(const Eigen::Vector3d& p) const {
   const Eigen::Vector2d q = InPlane(p);
   double least_square = std::numeric_limits<double>::infinity();
-  for (const auto& ring : rings_) {
-    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      const Eigen::Vector2d along = ring[i] - ring[j];
-      const double length_square = along.squaredNorm();
-      const double share =
-          length_square > 0.0 ? std::clamp((q - ring[j]).dot(along) / length_square, 0.0, 1.0) : 0.0;
-      least_square = std::min(least_square, (ring[j] + share * along - q).squaredNorm());
-    }
-  }
+  for (const Ring2& ring : rings_)
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
+      least_square = std::min(least_square, (NearestOnSegment(ring[j], ring[i], q) - q).squaredNorm());
   return std::sqrt(least_square);
 }
 

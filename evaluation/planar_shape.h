@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/geometry.h"
+#include "core/plane_rings.h"
 
 namespace terrace {
 
@@ -35,7 +36,7 @@ class PlanarShape {
 
   Plane plane_;
   PlaneAxes axes_;
-  std::vector<std::vector<Eigen::Vector2d>> rings_;  ///< outline first
+  std::vector<Ring2> rings_;  ///< outline first
   Eigen::AlignedBox2d box_;
 };
 

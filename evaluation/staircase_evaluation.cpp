@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/angles.h"
+#include "core/plane_rings.h"
 #include "evaluation/planar_shape.h"
 
 namespace terrace {
@@ -32,11 +33,8 @@ double HorizontalAngle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 /// Horizontal distance of a point from a segment.
 double HorizontalDistance(const Eigen::Vector3d& p, const std::array<Eigen::Vector3d, 2>& edge) {
-  const Eigen::Vector2d a = edge[0].head<2>();
-  const Eigen::Vector2d along = edge[1].head<2>() - a;
-  const double square = along.squaredNorm();
-  const double share = square > 0.0 ? std::clamp((p.head<2>() - a).dot(along) / square, 0.0, 1.0) : 0.0;
-  return (a + share * along - p.head<2>()).norm();
+  const Eigen::Vector2d a = edge[0].head<2>(), b = edge[1].head<2>(), q = p.head<2>();
+  return (NearestOnSegment(a, b, q) - q).norm();
 }
 
 /// A true staircase with the polygons it consists of.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/plane_rings.h"
 #include "labeling/drop_view.h"
 
 namespace terrace {
@@ -183,11 +184,8 @@ void KeepKnownDrops(const TerrainRegion& before, const Polygon& now, std::vector
       if (edges[e].kind != EdgeKind::kLimitOfView) continue;
       const Eigen::Vector3d p = 0.5 * (ring[k] + ring[(k + 1) % ring.size()]);
       for (const Drop& drop : drops) {
-        const Eigen::Vector3d along = drop.b - drop.a;
-        const double share =
-            std::clamp((p - drop.a).dot(along) / std::max(1e-12, along.squaredNorm()), 0.0, 1.0);
         constexpr double kSameEdge = 0.05;
-        if ((drop.a + share * along - p).norm() <= kSameEdge) edges[e] = drop.edge;
+        if ((NearestOnSegment(drop.a, drop.b, p) - p).norm() <= kSameEdge) edges[e] = drop.edge;
       }
     }
   };

@@ -14,8 +14,6 @@ struct RobotConfig {
   double max_step_height_m = 0.20;
   /// Widest gap that it steps over.
   double max_step_reach_m = 0.35;
-  /// Radius of a foot: how far it must keep away from an edge.
-  double foot_radius_m = 0.02;
   /// Steepest slope for the ordinary gait.
   double max_walkway_slope_deg = 8.0;
   /// Steepest slope that it walks at all.

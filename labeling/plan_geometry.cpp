@@ -8,43 +8,6 @@
 #include <utility>
 
 namespace terrace {
-namespace {
-
-Eigen::Vector2d NearestOnSegment(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                                 const Eigen::Vector2d& p) {
-  const Eigen::Vector2d ab = b - a;
-  const double length2 = ab.squaredNorm();
-  if (length2 <= 0.0) return a;
-  return a + ab * std::clamp(ab.dot(p - a) / length2, 0.0, 1.0);
-}
-
-/// Marks what must stay of the open chain first..last (indices run on past the end of the ring).
-void MarkKept(const PlanRing& ring, std::size_t first, std::size_t last, double tolerance_m,
-              std::vector<bool>& kept) {
-  std::vector<std::pair<std::size_t, std::size_t>> chains{{first, last}};
-  const std::size_t n = ring.size();
-  while (!chains.empty()) {
-    const auto [begin, end] = chains.back();
-    chains.pop_back();
-    double farthest = tolerance_m;
-    std::size_t split = begin;
-    for (std::size_t i = begin + 1; i < end; ++i) {
-      const Eigen::Vector2d& p = ring[i % n];
-      const double d = (NearestOnSegment(ring[begin % n], ring[end % n], p) - p).norm();
-      if (d > farthest) {
-        farthest = d;
-        split = i;
-      }
-    }
-    if (split == begin) continue;
-    kept[split % n] = true;
-    chains.emplace_back(begin, split);
-    chains.emplace_back(split, end);
-  }
-}
-
-}  // namespace
-
 PlanRing SimplifyPlan(const PlanRing& ring, double tolerance_m) {
   const std::size_t n = ring.size();
   if (n <= 4) return ring;
@@ -61,8 +24,8 @@ PlanRing SimplifyPlan(const PlanRing& ring, double tolerance_m) {
   if (opposite == 0) return ring;
   std::vector<bool> kept(n, false);
   kept[0] = kept[opposite] = true;
-  MarkKept(ring, 0, opposite, tolerance_m, kept);
-  MarkKept(ring, opposite, n, tolerance_m, kept);
+  MarkFarVertices(ring, 0, opposite, tolerance_m, &kept);
+  MarkFarVertices(ring, opposite, n, tolerance_m, &kept);
   PlanRing simple;
   for (std::size_t i = 0; i < n; ++i)
     if (kept[i]) simple.push_back(ring[i]);

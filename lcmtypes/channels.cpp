@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include "core/field_problems.h"
+
 namespace terrace {
 
 PriorKind ChannelConfig::body_pose_prior() const {
@@ -34,28 +36,22 @@ std::vector<std::string> ChannelConfig::Problems() const {
                                                                             {"status", &status},
                                                                             {"footsteps", &footsteps},
                                                                             {"true_pose", &true_pose}};
-  std::vector<std::string> problems;
+  constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-/:";
+  FieldProblems problems;
   std::map<std::string, std::string> user;
   for (const auto& [field, channel] : channels) {
-    const std::string name = field;
-    if (channel->empty()) {
-      if (channel != &body_pose) problems.push_back(name + " is empty");
-      continue;
-    }
-    if (channel->size() > kMaxChannelLength) {
-      problems.push_back(name + " = '" + *channel + "' is longer than LCM's 63 characters");
-    }
-    if (channel->find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-/:") !=
-        std::string::npos) {
-      problems.push_back(name + " = '" + *channel + "' may hold letters, digits and _ - / : only");
-    }
-    const auto [other, is_new] = user.emplace(*channel, name);
-    if (!is_new) problems.push_back(name + " and " + other->second + " are both '" + *channel + "'");
+    problems.Require(!channel->empty() || channel == &body_pose, field, *channel, "name a channel");
+    if (channel->empty()) continue;
+    problems.Require(channel->size() <= kMaxChannelLength, field, *channel,
+                     "be at most 63 characters long, as LCM has it");
+    problems.Require(channel->find_first_not_of(kAllowed) == std::string::npos, field, *channel,
+                     "hold letters, digits and _ - / : only");
+    const auto [other, is_new] = user.emplace(*channel, field);
+    problems.Require(is_new, field, *channel, "not be the channel of " + other->second + ", too");
   }
-  if (body_pose_kind != "leg_odometry" && body_pose_kind != "attitude") {
-    problems.push_back("body_pose_kind = '" + body_pose_kind + "' must be leg_odometry or attitude");
-  }
-  return problems;
+  problems.Require(body_pose_kind == "leg_odometry" || body_pose_kind == "attitude", "body_pose_kind",
+                   body_pose_kind, "be leg_odometry or attitude");
+  return problems.Take();
 }
 
 }  // namespace terrace

@@ -3,38 +3,35 @@
 
 #include <bit>
 
+#include "core/field_problems.h"
 #include "core/print.h"
 #include "mapping/leaf_address.h"
 
 namespace terrace {
 
 std::vector<std::string> MappingConfig::Problems() const {
-  std::vector<std::string> problems;
-  if (!(leaf_size_m >= 0.002 && leaf_size_m <= 1.0))
-    problems.push_back("leaf_size_m must be between 0.002 and 1");
-  if (leaves_per_cell < 4 || leaves_per_cell > 64 || !std::has_single_bit(unsigned(leaves_per_cell)))
-    problems.push_back("leaves_per_cell must be 4, 8, 16, 32 or 64");
-  if (!(min_leaf_px >= 1.0 && min_leaf_px <= 100.0))
-    problems.push_back("min_leaf_px must be between 1 and 100");
-  if (min_points < 1) problems.push_back("min_points must be at least 1");
-  if (min_frames < 1) problems.push_back("min_frames must be at least 1");
-  if (!(min_hit_share >= 0.0 && min_hit_share < 1.0))
-    problems.push_back("min_hit_share must be at least 0 and below 1");
-  if (!(depth_sigma_factor > 0.0 && depth_sigma_factor <= 100.0))
-    problems.push_back("depth_sigma_factor must be above 0 and at most 100");
-  if (!(pose_sigma_m > 0.0 && pose_sigma_m <= 1.0))
-    problems.push_back("pose_sigma_m must be above 0 and at most 1");
-  if (memory_frames < 2 || memory_frames > 250) problems.push_back("memory_frames must be between 2 and 250");
-  if (!(free_margin_px > 0.0)) problems.push_back("free_margin_px must be above 0");
-  if (free_frames < 1 || free_frames > 100) problems.push_back("free_frames must be between 1 and 100");
-  if (!(window_m >= 1.0)) problems.push_back("window_m must be at least 1");
-  if (!(keep_beyond_m == 0.0 || keep_beyond_m >= window_m))
-    problems.push_back("keep_beyond_m must be 0 or at least window_m");
-  if (leaf_size_m > 0.0 && window_m > kMaxReachLeaves * leaf_size_m) {
-    problems.push_back(Printed("window_m must not be above %g, which is how far %d leaves reach",
-                               kMaxReachLeaves * leaf_size_m, kMaxReachLeaves));
-  }
-  return problems;
+  FieldProblems problems;
+  problems.RequireWithin("leaf_size_m", leaf_size_m, 0.002, 1.0);
+  problems.Require(
+      leaves_per_cell >= 4 && leaves_per_cell <= 64 && std::has_single_bit(unsigned(leaves_per_cell)),
+      "leaves_per_cell", leaves_per_cell, "be 4, 8, 16, 32 or 64");
+  problems.RequireWithin("min_leaf_px", min_leaf_px, 1.0, 100.0);
+  problems.RequireAtLeast("min_points", min_points, 1);
+  problems.RequireAtLeast("min_frames", min_frames, 1);
+  problems.Require(min_hit_share >= 0.0 && min_hit_share < 1.0, "min_hit_share", min_hit_share,
+                   "be at least 0, below 1");
+  problems.RequireUpTo("depth_sigma_factor", depth_sigma_factor, 0.0, 100.0);
+  problems.RequireUpTo("pose_sigma_m", pose_sigma_m, 0.0, 1.0);
+  problems.RequireWithin("memory_frames", memory_frames, 2, 250);
+  problems.RequireAbove("free_margin_px", free_margin_px, 0.0);
+  problems.RequireWithin("free_frames", free_frames, 1, 100);
+  problems.RequireAtLeast("window_m", window_m, 1.0);
+  problems.Require(keep_beyond_m == 0.0 || keep_beyond_m >= window_m, "keep_beyond_m", keep_beyond_m,
+                   "be 0 or at least window_m");
+  const double reach_m = kMaxReachLeaves * leaf_size_m;
+  problems.Require(!(leaf_size_m > 0.0 && window_m > reach_m), "window_m", window_m,
+                   Printed("not be above %g, which is how far %d leaves reach", reach_m, kMaxReachLeaves));
+  return problems.Take();
 }
 
 }  // namespace terrace

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "odometry/mounting.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "core/field_problems.h"
 
 namespace terrace {
 namespace {
@@ -27,21 +30,20 @@ Eigen::Isometry3d ConfiguredBody(const MountingConfig& config) {
 }  // namespace
 
 std::vector<std::string> MountingConfig::Problems() const {
-  std::vector<std::string> problems;
-  if (source != "auto" && source != "body" && source != "sensor")
-    problems.push_back("source must be auto, body or sensor");
+  FieldProblems problems;
+  problems.Require(source == "auto" || source == "body" || source == "sensor", "source", source,
+                   "be auto, body or sensor");
   for (const auto& [name, angle] :
        {std::pair{"roll_deg", roll_deg}, std::pair{"pitch_deg", pitch_deg}, std::pair{"yaw_deg", yaw_deg}}) {
-    if (angle && !(std::abs(*angle) <= 180.0))
-      problems.push_back(std::string(name) + " must lie within -180..180");
+    if (angle) problems.RequireWithin(name, *angle, -180.0, 180.0);
   }
-  if (!position_m.empty() && position_m.size() != 3) problems.push_back("position_m must hold x, y and z");
-  for (const double p : position_m) {
-    if (!(std::abs(p) <= 10.0)) problems.push_back("position_m must lie within 10 m of the body");
-  }
-  if (given() && source == "sensor")
-    problems.push_back("source must be auto or body where angles or a position are given");
-  return problems;
+  problems.Require(position_m.empty() || position_m.size() == 3, "position_m", position_m, "hold x, y and z");
+  problems.Require(
+      std::all_of(position_m.begin(), position_m.end(), [](double p) { return std::abs(p) <= 10.0; }),
+      "position_m", position_m, "lie within 10 m of the body");
+  problems.Require(!(given() && source == "sensor"), "source", source,
+                   "be auto or body where angles or a position are given");
+  return problems.Take();
 }
 
 Mounting MountingOf(const MountingConfig& config, const StereoCalibration& calibration,

@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "core/plane_rings.h"
 #include "polygonization/bitmap_pieces.h"
 #include "polygonization/plane_bitmap.h"
-#include "polygonization/plane_rings.h"
 #include "polygonization/ring_simplifier.h"
 
 namespace terrace {

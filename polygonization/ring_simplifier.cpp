@@ -18,31 +18,6 @@ int NumVertices(const std::vector<Ring2>& rings) {
   return static_cast<int>(num);
 }
 
-double DistanceToSegment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d d = b - a;
-  const double length2 = d.squaredNorm();
-  const double t = length2 > 0.0 ? std::clamp((p - a).dot(d) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - t * d).norm();
-}
-
-/// Douglas and Peucker on the open chain first..last (indices that may run past the end of the ring).
-void KeepFarVertices(const Ring2& ring, int first, int last, double tolerance, std::vector<bool>* keep) {
-  const int n = static_cast<int>(ring.size());
-  int farthest = -1;
-  double distance = tolerance;
-  for (int i = first + 1; i < last; ++i) {
-    const double d = DistanceToSegment(ring[i % n], ring[first % n], ring[last % n]);
-    if (d > distance) {
-      distance = d;
-      farthest = i;
-    }
-  }
-  if (farthest < 0) return;
-  (*keep)[farthest % n] = true;
-  KeepFarVertices(ring, first, farthest, tolerance, keep);
-  KeepFarVertices(ring, farthest, last, tolerance, keep);
-}
-
 struct Line2 {
   Eigen::Vector2d point;
   Eigen::Vector2d direction;
@@ -94,8 +69,8 @@ class SimplifiedRing {
       if ((traced[i] - traced[a]).squaredNorm() > (traced[b] - traced[a]).squaredNorm()) b = i;
     keep_[a] = keep_[b] = true;
     const int second = b > a ? b : b + n;
-    KeepFarVertices(traced, a, second, tolerance, &keep_);
-    KeepFarVertices(traced, second, a + n, tolerance, &keep_);
+    MarkFarVertices(traced, a, second, tolerance, &keep_);
+    MarkFarVertices(traced, second, a + n, tolerance, &keep_);
     Build();
     if (ring_.size() < 3 || SignedArea(ring_) * SignedArea(traced) <= 0.0) KeepAll();
   }
@@ -151,7 +126,8 @@ class SimplifiedRing {
     const EdgeLine* best = nullptr;
     double least = line_reach_m_;
     for (const EdgeLine& line : edge_lines_) {
-      // The surface lies to the left of its rings. Both sides of a thin strip on one line would make them touch.
+      // The surface lies to the left of its rings. Both sides of a thin strip on one line would make them
+      // touch.
       if (Cross(b - a, line.inside) <= 0.0) continue;
       const double middle = line.along.dot(0.5 * (a + b) - line.point);
       if (middle < line.from_m - line_reach_m_ || middle > line.to_m + line_reach_m_) continue;

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "polygonization/plane_rings.h"
+#include "core/plane_rings.h"
 
 namespace terrace {
 

@@ -18,7 +18,6 @@ struct CloudPoint {
   Eigen::Vector3f p_left;  ///< m
   std::uint16_t u, v;      ///< the pixel of the left image that shows it
   float sigma_depth_m;     ///< standard deviation of z; the error of x and y follows along the ray
-  float sigma_lateral_m;   ///< standard deviation across the ray: the footprint of the pixels it stands for
 };
 
 /// The points of one disparity image, in rows from top to bottom, in the left frame.
@@ -36,8 +35,8 @@ struct CloudConfig {
   /// free.
   double max_depth_sigma_m = 0.065;
   /// Where pixels lie denser across the view than this, only every second, fourth, ... row and column is
-  /// taken. Elsewhere half of the pixels are, like the white fields of a chessboard: neighbours err alike, and
-  /// half of them say as much as all.
+  /// taken. Elsewhere half of the pixels are, like the white fields of a chessboard: neighbours err alike,
+  /// and half of them say as much as all.
   double min_spacing_m = 0.01;
 
   /// One sentence per problem; empty when the settings can be used.

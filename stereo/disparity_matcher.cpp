@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/check.h"
+#include "core/field_problems.h"
 #include "stereo/depth_edges.h"
 #include "stereo/disparity_filters.h"
 #include "stereo/disparity_units.h"
@@ -95,29 +96,30 @@ DisparityConfig OfHalves(const DisparityConfig& config) {
 }  // namespace
 
 std::vector<std::string> DisparityConfig::Problems() const {
-  std::vector<std::string> problems;
-  const auto need = [&](bool fine, const std::string& sentence) {
-    if (!fine) problems.push_back(sentence);
-  };
+  FieldProblems problems;
   const int range = max_disparity_px.value_or(kMostAtFullSize_px);
-  need(range >= 16 && range <= kMostDisparity_px && range % kRangeStep == 0,
-       "max_disparity_px is " + std::to_string(range) + ", must be auto or a multiple of 16 from 16 to 512");
-  need(nearest_m > 0.0, "nearest_m must be positive");
-  need(tier == "fast" || tier == "quality", "tier is \"" + tier + "\", must be \"fast\" or \"quality\"");
-  need(census == "auto" || census == "mixed" || census == "5x5" || census == "9x7",
-       "census is \"" + census + "\", must be \"auto\", \"mixed\", \"5x5\" or \"9x7\"");
-  need(paths == 2 || paths == 4 || paths == 8, "paths is " + std::to_string(paths) + ", must be 2, 4 or 8");
-  need(0 <= small_step_penalty && small_step_penalty <= edge_step_penalty &&
-           edge_step_penalty <= large_step_penalty && large_step_penalty <= 50,
-       "the penalties must hold 0 <= small_step_penalty <= edge_step_penalty <= large_step_penalty <= 50");
-  need(uniqueness_percent >= 0 && uniqueness_percent <= 100, "uniqueness_percent must lie between 0 and 100");
-  need(max_left_right_error_px >= 0.0, "max_left_right_error_px must not be negative");
-  need(min_piece_px >= 0, "min_piece_px must not be negative");
-  need(roi_left_px >= 0 && roi_top_px >= 0 && roi_width_px >= 0 && roi_height_px >= 0,
-       "roi_left_px, roi_top_px, roi_width_px and roi_height_px must not be negative");
-  need(prior_margin_px >= 1 && prior_margin_px <= 256, "prior_margin_px must lie between 1 and 256");
-  need(prior_full_every_frames >= 1, "prior_full_every_frames must be at least 1");
-  return problems;
+  problems.Require(range >= 16 && range <= kMostDisparity_px && range % kRangeStep == 0, "max_disparity_px",
+                   range, "be auto or a multiple of 16 from 16 to 512");
+  problems.RequireAbove("nearest_m", nearest_m, 0.0);
+  problems.Require(tier == "fast" || tier == "quality", "tier", tier, "be fast or quality");
+  problems.Require(census == "auto" || census == "mixed" || census == "5x5" || census == "9x7", "census",
+                   census, "be auto, mixed, 5x5 or 9x7");
+  problems.Require(paths == 2 || paths == 4 || paths == 8, "paths", paths, "be 2, 4 or 8");
+  problems.RequireAtLeast("small_step_penalty", small_step_penalty, 0);
+  problems.Require(edge_step_penalty >= small_step_penalty, "edge_step_penalty", edge_step_penalty,
+                   "be at least small_step_penalty");
+  problems.Require(large_step_penalty >= edge_step_penalty && large_step_penalty <= 50, "large_step_penalty",
+                   large_step_penalty, "be at least edge_step_penalty, at most 50");
+  problems.RequireWithin("uniqueness_percent", uniqueness_percent, 0, 100);
+  problems.RequireAtLeast("max_left_right_error_px", max_left_right_error_px, 0.0);
+  problems.RequireAtLeast("min_piece_px", min_piece_px, 0);
+  problems.RequireAtLeast("roi_left_px", roi_left_px, 0);
+  problems.RequireAtLeast("roi_top_px", roi_top_px, 0);
+  problems.RequireAtLeast("roi_width_px", roi_width_px, 0);
+  problems.RequireAtLeast("roi_height_px", roi_height_px, 0);
+  problems.RequireWithin("prior_margin_px", prior_margin_px, 1, 256);
+  problems.RequireAtLeast("prior_full_every_frames", prior_full_every_frames, 1);
+  return problems.Take();
 }
 
 DisparityConfig DisparityConfig::ForCamera(const StereoCamera& camera) const {

@@ -5,6 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "core/field_problems.h"
 #include "stereo/half_resolution.h"
 
 namespace terrace {
@@ -39,8 +40,9 @@ void Halve(GrayImage& image) {
 }  // namespace
 
 std::vector<std::string> ImageScaleConfig::Problems() const {
-  if (scale == 1.0 || scale == 0.5 || scale == 0.25) return {};
-  return {"scale must be 1, 0.5 or 0.25"};
+  FieldProblems problems;
+  problems.Require(scale == 1.0 || scale == 0.5 || scale == 0.25, "scale", scale, "be 1, 0.5 or 0.25");
+  return problems.Take();
 }
 
 StereoCalibration Scaled(StereoCalibration calibration, const ImageScaleConfig& config) {

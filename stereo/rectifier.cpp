@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "core/check.h"
+#include "core/field_problems.h"
 #include "core/lens.h"
 
 namespace terrace {
@@ -189,14 +190,12 @@ cv::Mat1b Copy(const GrayImage& image) {
 }  // namespace
 
 std::vector<std::string> RectifierConfig::Problems() const {
-  std::vector<std::string> problems;
-  if (rectified_focal_px != 0.0 && !(rectified_focal_px >= 10.0 && rectified_focal_px <= 20000.0)) {
-    problems.push_back("rectified_focal_px must be 0 or lie between 10 and 20000");
-  }
-  if (!rectified_size.empty() && !ParseSize(rectified_size)) {
-    problems.push_back("rectified_size must be empty or read WIDTHxHEIGHT, from 16x16 to 16384x16384");
-  }
-  return problems;
+  FieldProblems problems;
+  problems.Require(rectified_focal_px == 0.0 || (rectified_focal_px >= 10.0 && rectified_focal_px <= 20000.0),
+                   "rectified_focal_px", rectified_focal_px, "be 0 or lie between 10 and 20000");
+  problems.Require(rectified_size.empty() || ParseSize(rectified_size), "rectified_size", rectified_size,
+                   "be empty or read WIDTHxHEIGHT, from 16x16 to 16384x16384");
+  return problems.Take();
 }
 
 std::pair<int, int> RectifiedSize(const StereoCalibration& calibration, const RectifierConfig& config) {

@@ -3,13 +3,12 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "core/field_problems.h"
 #include "stereo/cloud.h"
 
 namespace terrace {
 namespace {
 
-// A point stands for a square of pixels; this is the standard deviation of a uniform square of side one.
-const float kSigmaOfUnitSquare = 1.0f / std::sqrt(12.0f);
 constexpr int kMaxStep = 16;
 constexpr int kUncertainStep = 4;
 
@@ -19,10 +18,10 @@ int LowestBit(int i) { return i & -i; }
 }  // namespace
 
 std::vector<std::string> CloudConfig::Problems() const {
-  std::vector<std::string> problems;
-  if (!(max_depth_sigma_m > 0.0)) problems.push_back("max_depth_sigma_m must be positive");
-  if (!(min_spacing_m >= 0.0)) problems.push_back("min_spacing_m must not be negative");
-  return problems;
+  FieldProblems problems;
+  problems.RequireAbove("max_depth_sigma_m", max_depth_sigma_m, 0.0);
+  problems.RequireAtLeast("min_spacing_m", min_spacing_m, 0.0);
+  return problems.Take();
 }
 
 Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, const CloudConfig& config,
@@ -54,8 +53,6 @@ Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, c
       const int widest = LowestBit(u | v | kMaxStep);
       const bool skipped = widest < kMaxStep && d >= crowded_px * static_cast<float>(2 * widest);
       if (skipped || !(d > 0.0f) || (mask_row && mask_row[u] == 0)) continue;
-      int step = 1;
-      while (step < kMaxStep && d >= crowded_px * static_cast<float>(2 * step)) step *= 2;
       const float z = fb / d;
       const float sigma_z = z / d * sigma_row[u];  // |dz/dd| = f b / d^2
       const bool certain = sigma_z <= max_sigma_m;
@@ -64,8 +61,7 @@ Cloud Triangulate(const DisparityImage& disparity, const StereoCamera& camera, c
       points.push_back({{(static_cast<float>(u) - cx) * inv_fx * z, y_over_z * z, z},
                         static_cast<std::uint16_t>(u),
                         static_cast<std::uint16_t>(v),
-                        sigma_z,
-                        kSigmaOfUnitSquare * static_cast<float>(step) * z * inv_fx});
+                        sigma_z});
     }
   }
   return cloud;

@@ -3,9 +3,8 @@
 
 #include <functional>
 #include <map>
-#include <sstream>
-#include <tuple>
 
+#include "core/field_problems.h"
 #include "core/file_bytes.h"
 #include "datasets/yaml_value.h"
 #include "lcmtypes/image_codec.h"
@@ -14,30 +13,25 @@
 namespace terrace {
 
 std::vector<std::string> CameraConfig::Problems() const {
-  std::vector<std::string> problems;
+  FieldProblems problems;
   const auto format_known = PixelFormatFromName(format);
-  if (!format_known) problems.push_back("format = " + format + " must be GREY, YUYV, MJPEG or Y8I");
-  if (device.empty()) problems.push_back("device is empty");
-  if (has_two_devices() && device == device_right) problems.push_back("device_right is the same as device");
-  if (has_two_devices() && format_known == PixelFormat::kY8i)
-    problems.push_back("format = Y8I holds both cameras, but device_right is set");
-  if (!has_two_devices() && format_known != PixelFormat::kY8i && width % 2 != 0)
-    problems.push_back("width = " + std::to_string(width) +
-                       " must be even where two images lie side by side");
-  if (!ImageEncodingFromName(encoding))
-    problems.push_back("encoding = " + encoding + " must be raw, lossless or mjpeg");
-  for (const auto& [name, value, min, max] : {std::tuple{"width", static_cast<double>(width), 16.0, 16384.0},
-                                              {"height", static_cast<double>(height), 16.0, 16384.0},
-                                              {"rate_hz", rate_hz, 0.1, 1000.0},
-                                              {"exposure_us", exposure_us, 0.0, 1e6},
-                                              {"stamp_offset_ms", stamp_offset_ms, -1000.0, 1000.0},
-                                              {"max_skew_ms", max_skew_ms, 0.0, 1000.0}}) {
-    if (value >= min && value <= max) continue;
-    std::ostringstream text;
-    text << name << " = " << value << " must lie between " << min << " and " << max;
-    problems.push_back(text.str());
-  }
-  return problems;
+  problems.Require(format_known.has_value(), "format", format, "be GREY, YUYV, MJPEG or Y8I");
+  problems.Require(!device.empty(), "device", device, "name a camera");
+  problems.Require(!has_two_devices() || device != device_right, "device_right", device_right,
+                   "be another one than device");
+  problems.Require(!(has_two_devices() && format_known == PixelFormat::kY8i), "device_right", device_right,
+                   "be empty where format = Y8I holds both cameras");
+  problems.Require(has_two_devices() || format_known == PixelFormat::kY8i || width % 2 == 0, "width", width,
+                   "be even where two images lie side by side");
+  problems.Require(ImageEncodingFromName(encoding).has_value(), "encoding", encoding,
+                   "be raw, lossless or mjpeg");
+  problems.RequireWithin("width", width, 16, 16384);
+  problems.RequireWithin("height", height, 16, 16384);
+  problems.RequireWithin("rate_hz", rate_hz, 0.1, 1000.0);
+  problems.RequireWithin("exposure_us", exposure_us, 0.0, 1e6);
+  problems.RequireWithin("stamp_offset_ms", stamp_offset_ms, -1000.0, 1000.0);
+  problems.RequireWithin("max_skew_ms", max_skew_ms, 0.0, 1000.0);
+  return problems.Take();
 }
 
 CameraConfig ReadCameraConfig(const std::filesystem::path& path) {

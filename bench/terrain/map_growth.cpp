@@ -27,6 +27,7 @@
 #include <nlohmann/json.hpp>
 #include <tbb/global_control.h>
 
+#include "bench/terrain/shots.h"
 #include "core/statistics.h"
 #include "daemon/pipeline.h"
 #include "daemon/terrain_sender.h"
@@ -41,35 +42,6 @@ constexpr int kPlacesPerRow = 24;
 constexpr int kTableRows = 20;
 constexpr std::array kMapStages{StageId::kDecomposition, StageId::kModelling, StageId::kMerging,
                                 StageId::kLabels, StageId::kPublish};
-
-/// One frame, matched and tracked.
-struct Shot {
-  std::shared_ptr<const DisparityImage> disparity;
-  PoseEstimate pose;
-  Gravity gravity;
-};
-
-std::vector<Shot> ShootFrames(Sequence* sequence, Pipeline* pipeline, int num_frames) {
-  std::vector<Shot> shots;
-  FrameId frame_id = 0;
-  while (static_cast<int>(shots.size()) < num_frames) {
-    std::optional<SensorFrame> sensors = sequence->Next();
-    if (!sensors) break;
-    sensors->frame_id = frame_id++;
-    const StereoFramePtr frame = pipeline->Rectify(*sensors);
-    const auto disparity = pipeline->Match(frame);
-    const TrackedPose tracked = pipeline->Track(*sensors, frame);
-    pipeline->Map(nullptr, tracked);  // so that the odometry waits for no lesson
-    if (tracked.pose.trusted && disparity) shots.push_back({disparity, tracked.pose, tracked.gravity});
-  }
-  return shots;
-}
-
-std::vector<Shot> OneIn(int stride, const std::vector<Shot>& shots) {
-  std::vector<Shot> some;
-  for (std::size_t i = 0; i < shots.size(); i += static_cast<std::size_t>(stride)) some.push_back(shots[i]);
-  return some;
-}
 
 /// Places on a grid, row by row, there and back.
 Eigen::Vector3d PlaceAt(int i) {

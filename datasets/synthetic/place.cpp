@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/angles.h"
+#include "core/plane_rings.h"
 
 namespace terrace::synthetic {
 namespace {
@@ -29,11 +30,8 @@ std::uint32_t HashOf(const std::string& name) {
 /// Distance from a point to the nearest piece of a path.
 double DistanceToPath(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& path) {
   double least_m = 1e9;
-  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    const Eigen::Vector2d along = path[i + 1] - path[i];
-    const double share = std::clamp((p - path[i]).dot(along) / along.squaredNorm(), 0.0, 1.0);
-    least_m = std::min(least_m, (path[i] + share * along - p).norm());
-  }
+  for (std::size_t i = 0; i + 1 < path.size(); ++i)
+    least_m = std::min(least_m, (NearestOnSegment(path[i], path[i + 1], p) - p).norm());
   return least_m;
 }
 

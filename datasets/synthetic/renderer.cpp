@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "core/field_problems.h"
 #include "datasets/synthetic/hash.h"
 
 namespace terrace::synthetic {
@@ -46,13 +47,11 @@ int ThreadsOf(const RendererConfig& config) {
 }
 
 std::vector<std::string> RendererConfig::Problems() const {
-  std::vector<std::string> problems;
-  if (samples < 1 || samples > 256 || (samples & (samples - 1)) != 0) {
-    problems.push_back("samples is " + std::to_string(samples) + ", must be a power of two up to 256");
-  }
-  if (num_threads < 0)
-    problems.push_back("num_threads is " + std::to_string(num_threads) + ", must not be negative");
-  return problems;
+  FieldProblems problems;
+  problems.Require(samples >= 1 && samples <= 256 && (samples & (samples - 1)) == 0, "samples", samples,
+                   "be a power of two up to 256");
+  problems.RequireAtLeast("num_threads", num_threads, 0);
+  return problems.Take();
 }
 
 /// Arrays for one row, reused by the rows of a thread.

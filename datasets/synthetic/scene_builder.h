@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datasets/synthetic/scene.h"
@@ -126,14 +127,17 @@ class SceneBuilder {
   void AddRamp(const RampSpec& spec, int material);
   void AddRubble(const RubbleSpec& spec, int material);
 
+  /// One plane of a solid. The reference holds until the next one is added.
+  Surface& AddFace(const std::string& name, const std::string& label, const Ring& outline, int material);
+  /// Where a solid stands on the ground: level, counter-clockwise from above.
+  void AddFootprint(Ring outline) { footprints_.push_back(std::move(outline)); }
+
   /// Numbers the polygons and cuts what stands on a floor out of it. Call once, last.
   void Finish();
 
  private:
-  Surface& Add(const std::string& name, const std::string& label, const Ring& outline, int material);
-
   Scene& scene_;
-  std::vector<Ring> footprints_;  ///< of solids, level, counter-clockwise from above
+  std::vector<Ring> footprints_;
 };
 
 }  // namespace terrace::synthetic

@@ -10,6 +10,7 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
+#include "core/field_problems.h"
 #include "core/file_bytes.h"
 #include "core/print.h"
 #include "datasets/image_file.h"
@@ -221,17 +222,15 @@ void WriteReadme(const Scene& scene, const SequenceFacts& facts, int truth_every
 }  // namespace
 
 std::vector<std::string> SynthesisConfig::Problems() const {
-  std::vector<std::string> problems = renderer.Problems();
-  if (max_frames < 0)
-    problems.push_back("max_frames is " + std::to_string(max_frames) + ", must not be negative");
-  if (!(rate_hz >= 0.0 && rate_hz <= 200.0)) {
-    problems.push_back("rate_hz is " + std::to_string(rate_hz) + ", must be from 0 to 200");
-  }
-  if (truth_every < 0)
-    problems.push_back("truth_every is " + std::to_string(truth_every) + ", must not be negative");
-  if (!(gain > 0.0 && gain <= 100.0))
-    problems.push_back("gain is " + std::to_string(gain) + ", must be above 0, up to 100");
-  return problems;
+  FieldProblems problems;
+  problems.RequireAtLeast("max_frames", max_frames, 0);
+  problems.RequireWithin("rate_hz", rate_hz, 0.0, 200.0);
+  problems.RequireAtLeast("truth_every", truth_every, 0);
+  problems.RequireUpTo("gain", gain, 0.0, 100.0);
+  std::vector<std::string> all = renderer.Problems();
+  const std::vector<std::string> own = problems.Take();
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
 }
 
 Trajectory PlanMotionIn(const Scene& scene, const RayScene& rays, std::uint32_t seed) {

@@ -133,6 +133,159 @@ void Smooth(std::vector<double>& values, double reach_s) {
   }
 }
 
+double DurationOf(const MotionPlan& plan, const SpeedProfile& walk) {
+  if (plan.duration_s > 0.0) return plan.duration_s;
+  switch (plan.kind) {
+    case MotionKind::kWalk:
+      return walk.done_s() + plan.hold_end_s;
+    case MotionKind::kStand:
+    case MotionKind::kCreep:
+      return 60.0;
+    case MotionKind::kTurnOnSpot:
+      return plan.hold_start_s + 2.0 * kPi / plan.turn_radps + kAccelerate_s + plan.hold_end_s;
+  }
+  return plan.duration_s;
+}
+
+bool Walks(const MotionPlan& plan) { return plan.kind == MotionKind::kWalk && plan.path.size() > 1; }
+
+/// When the spline has its control `i`: it reaches one step beyond either end.
+double TimeOf(int i) { return (i - 1) * kStep_s; }
+
+/// Where the robot is on its way over the ground.
+struct WayPoint {
+  Eigen::Vector2d at;
+  double yaw;
+  double activity;  ///< 0 at rest, 1 at full pace
+
+  Eigen::Vector2d ahead() const { return {std::cos(yaw), std::sin(yaw)}; }
+  Eigen::Vector2d left() const { return {-std::sin(yaw), std::cos(yaw)}; }
+};
+
+std::vector<WayPoint> WayOf(const MotionPlan& plan, const SmoothPath& path, const SpeedProfile& walk,
+                            int count) {
+  const double heading0 = plan.path.size() > 1 ? path.HeadingAt(0.0) : plan.heading_rad;
+  const SpeedProfile turning{plan.hold_start_s, plan.turn_radps, 2.0 * kPi};
+  std::vector<WayPoint> way;
+  double s = 0.0;
+  double turned = 0.0;
+  double yaw = heading0;
+  for (int i = 0; i < count; ++i) {
+    const double t = TimeOf(i);
+    WayPoint here{plan.path.front(), heading0, 0.0};
+    if (Walks(plan)) {
+      const double speed = walk.SpeedAt(t);
+      s += speed * kStep_s;
+      yaw = Unwrap(path.HeadingAt(s), yaw);
+      here = {path.At(s), yaw, speed / plan.speed_mps};
+    } else if (plan.kind == MotionKind::kCreep) {
+      here.at += here.ahead() * plan.creep_mps * std::max(t, 0.0);
+    } else if (plan.kind == MotionKind::kTurnOnSpot) {
+      const double rate = turning.SpeedAt(t);
+      turned += rate * kStep_s;
+      here.yaw += turned;
+      here.activity = 0.7 * rate / plan.turn_radps;
+    }
+    way.push_back(here);
+  }
+  return way;
+}
+
+/// Height and slope of the ground under six feet, for each point of a way.
+struct Footing {
+  std::vector<double> height, slope, tilt;
+};
+
+Footing FootingAlong(const std::vector<WayPoint>& way, double start_z, const GroundHeight& ground) {
+  Footing footing;
+  double level = start_z;
+  for (const WayPoint& here : way) {
+    const auto height_at = [&](double x, double y) {
+      const Eigen::Vector2d foot = here.at + x * here.ahead() + y * here.left();
+      const double z = ground({foot.x(), foot.y(), level + kReach_m});
+      return std::isnan(z) || z < level - 2.0 * kReach_m ? level : z;
+    };
+    double front = 0.0, middle = 0.0, rear = 0.0, left_sum = 0.0, right_sum = 0.0;
+    for (const double y : {kFeetAside_m, -kFeetAside_m}) {
+      const double f = height_at(kFeetAhead_m, y);
+      const double m = height_at(0.0, y);
+      const double r = height_at(-kFeetAhead_m, y);
+      front += 0.5 * f;
+      middle += 0.5 * m;
+      rear += 0.5 * r;
+      (y > 0.0 ? left_sum : right_sum) += (f + m + r) / 3.0;
+    }
+    level = (front + middle + rear) / 3.0;
+    footing.height.push_back(level);
+    footing.slope.push_back((front - rear) / (2.0 * kFeetAhead_m));
+    footing.tilt.push_back((left_sum - right_sum) / (2.0 * kFeetAside_m));
+  }
+  Smooth(footing.height, 0.22);
+  Smooth(footing.slope, 0.25);
+  Smooth(footing.tilt, 0.25);
+  return footing;
+}
+
+/// What legs make of a body that moves: bounce, roll and pitch with the stride, and a jolt where feet hit.
+class Gait {
+ public:
+  Gait(double bounce, std::uint32_t seed) : bounce_(bounce), random_(Hash(seed, 11)) {}
+
+  /// Goes on to time t. Times ascend by one step of the spline.
+  void StepTo(double t, double pace) {
+    t_ = t;
+    activity_ = bounce_ * pace;
+    const double before = phase_;
+    // A slower walk takes shorter and fewer steps.
+    if (pace > 1e-3) phase_ += kStep_s * kStride_hz * (0.4 + 0.6 * pace);
+    if (std::floor(2.0 * phase_) > std::floor(2.0 * before)) Strike();
+  }
+
+  double activity() const { return activity_; }
+  double stride() const { return 2.0 * kPi * phase_; }
+  const std::vector<double>& strikes_s() const { return strikes_s_; }
+
+  struct Swing {
+    double lift, roll, pitch;
+  };
+  Swing SwingNow() const {
+    const double step = 2.0 * stride();
+    Swing swing;
+    swing.lift = activity_ * kBounce_m * (1.0 - std::cos(step)) - activity_ * kBounce_m;
+    swing.roll = activity_ * kRoll_rad * std::sin(stride());
+    swing.pitch = activity_ * kPitch_rad * std::sin(step + 0.6);
+    for (auto jolt = jolts_.rbegin(); jolt != jolts_.rend() && t_ - jolt->t < 8.0 * kJoltDecay_s; ++jolt) {
+      const double age = t_ - jolt->t;
+      const double echo = std::exp(-age / kJoltDecay_s) * std::sin(2.0 * kPi * kJolt_hz * age);
+      swing.lift -= jolt->lift * echo;
+      swing.roll += jolt->roll * echo;
+      swing.pitch += jolt->pitch * echo;
+    }
+    return swing;
+  }
+
+ private:
+  struct Jolt {
+    double t, lift, roll, pitch;
+  };
+
+  void Strike() {
+    strikes_s_.push_back(t_);
+    const double sign = std::fmod(std::floor(2.0 * phase_), 2.0) > 0.5 ? 1.0 : -1.0;
+    const double force = activity_ * (0.7 + 0.6 * random_.Uniform());
+    jolts_.push_back({t_, kJolt_m * force, sign * kJolt_rad * force * (0.4 + 0.6 * random_.Uniform()),
+                      kJolt_rad * force * random_.Uniform(-1.0, 1.0)});
+  }
+
+  const double bounce_;
+  Random random_;
+  double t_ = 0.0;
+  double activity_ = 0.0;
+  double phase_ = 0.0;  ///< of the stride, one for both tripods
+  std::vector<Jolt> jolts_;
+  std::vector<double> strikes_s_;
+};
+
 }  // namespace
 
 Trajectory::Trajectory(std::vector<Vector6d> controls, double step_s, double duration_s,
@@ -180,145 +333,38 @@ BodyState Trajectory::At(double t_s) const {
 Trajectory PlanMotion(const MotionPlan& plan, const Mounting& mounting, const GroundHeight& ground,
                       std::uint32_t seed) {
   TERRACE_CHECK(!plan.path.empty());
-  const bool walks = plan.kind == MotionKind::kWalk && plan.path.size() > 1;
   const SmoothPath path(plan.path.size() > 1 ? plan.path
                                              : std::vector<Eigen::Vector2d>(2, plan.path.front()));
-  const SpeedProfile profile{plan.hold_start_s, plan.speed_mps, std::max(path.length(), 1e-6)};
-  const double heading0 = plan.path.size() > 1 ? path.HeadingAt(0.0) : plan.heading_rad;
-  double duration = plan.duration_s;
-  if (duration <= 0.0) {
-    switch (plan.kind) {
-      case MotionKind::kWalk:
-        duration = profile.done_s() + plan.hold_end_s;
-        break;
-      case MotionKind::kStand:
-      case MotionKind::kCreep:
-        duration = 60.0;
-        break;
-      case MotionKind::kTurnOnSpot:
-        duration = plan.hold_start_s + 2.0 * kPi / plan.turn_radps + kAccelerate_s + plan.hold_end_s;
-        break;
-    }
-  }
-  // The spline reaches one step beyond either end.
-  const int count = static_cast<int>(std::ceil(duration / kStep_s)) + 4;
-  const auto time_of = [](int i) { return (i - 1) * kStep_s; };
-
-  // Way over the ground.
-  struct Ground {
-    Eigen::Vector2d at;
-    double yaw;
-    double activity;  // 0 at rest, 1 at full pace
-  };
-  std::vector<Ground> way;
-  const SpeedProfile turning{plan.hold_start_s, plan.turn_radps, 2.0 * kPi};
-  double s = 0.0;
-  double turned = 0.0;
-  double yaw = heading0;
-  for (int i = 0; i < count; ++i) {
-    const double t = time_of(i);
-    Ground here{plan.path.front(), heading0, 0.0};
-    const Eigen::Vector2d ahead(std::cos(heading0), std::sin(heading0));
-    if (walks) {
-      const double speed = profile.SpeedAt(t);
-      s += speed * kStep_s;
-      yaw = Unwrap(path.HeadingAt(s), yaw);
-      here = {path.At(s), yaw, speed / plan.speed_mps};
-    } else if (plan.kind == MotionKind::kCreep) {
-      here.at += ahead * plan.creep_mps * std::max(t, 0.0);
-    } else if (plan.kind == MotionKind::kTurnOnSpot) {
-      const double rate = turning.SpeedAt(t);
-      turned += rate * kStep_s;
-      here.yaw += turned;
-      here.activity = 0.7 * rate / plan.turn_radps;
-    }
-    way.push_back(here);
-  }
-
-  // Height and slope of the ground under six feet.
-  std::vector<double> height, slope, tilt;
-  double level = plan.start_z;
-  for (const Ground& here : way) {
-    const Eigen::Vector2d ahead(std::cos(here.yaw), std::sin(here.yaw));
-    const Eigen::Vector2d left(-ahead.y(), ahead.x());
-    const auto side = [&](double x, double y) {
-      const Eigen::Vector2d foot = here.at + x * ahead + y * left;
-      const double z = ground({foot.x(), foot.y(), level + kReach_m});
-      return std::isnan(z) || z < level - 2.0 * kReach_m ? level : z;
-    };
-    double front = 0.0, middle = 0.0, rear = 0.0, left_sum = 0.0, right_sum = 0.0;
-    for (const double y : {kFeetAside_m, -kFeetAside_m}) {
-      const double f = side(kFeetAhead_m, y);
-      const double m = side(0.0, y);
-      const double r = side(-kFeetAhead_m, y);
-      front += 0.5 * f;
-      middle += 0.5 * m;
-      rear += 0.5 * r;
-      (y > 0.0 ? left_sum : right_sum) += (f + m + r) / 3.0;
-    }
-    level = (front + middle + rear) / 3.0;
-    height.push_back(level);
-    slope.push_back((front - rear) / (2.0 * kFeetAhead_m));
-    tilt.push_back((left_sum - right_sum) / (2.0 * kFeetAside_m));
-  }
-  Smooth(height, 0.22);
-  Smooth(slope, 0.25);
-  Smooth(tilt, 0.25);
-
-  // Gait.
-  Random random(Hash(seed, 11));
-  std::vector<double> strikes;
-  struct Jolt {
-    double t, lift, roll, pitch;
-  };
-  std::vector<Jolt> jolts;
+  const SpeedProfile walk{plan.hold_start_s, plan.speed_mps, std::max(path.length(), 1e-6)};
+  const double duration = DurationOf(plan, walk);
+  const std::vector<WayPoint> way =
+      WayOf(plan, path, walk, static_cast<int>(std::ceil(duration / kStep_s)) + 4);
+  const Footing footing = FootingAlong(way, plan.start_z, ground);
+  Gait gait(plan.bounce, seed);
   std::vector<Vector6d> controls;
-  double phase = 0.0;  // of the stride, one for both tripods
-  for (int i = 0; i < count; ++i) {
-    const double t = time_of(i);
-    const Ground& here = way[static_cast<std::size_t>(i)];
-    const double activity = plan.bounce * here.activity;
-    const double before = phase;
-    // A slower walk takes shorter and fewer steps.
-    if (here.activity > 1e-3) phase += kStep_s * kStride_hz * (0.4 + 0.6 * here.activity);
-    if (std::floor(2.0 * phase) > std::floor(2.0 * before)) {
-      strikes.push_back(t);
-      const double sign = std::fmod(std::floor(2.0 * phase), 2.0) > 0.5 ? 1.0 : -1.0;
-      const double force = activity * (0.7 + 0.6 * random.Uniform());
-      jolts.push_back({t, kJolt_m * force, sign * kJolt_rad * force * (0.4 + 0.6 * random.Uniform()),
-                       kJolt_rad * force * random.Uniform(-1.0, 1.0)});
-    }
-    const double stride = 2.0 * kPi * phase;
-    const double step = 2.0 * stride;
-    double lift = activity * kBounce_m * (1.0 - std::cos(step)) - activity * kBounce_m;
-    double roll = activity * kRoll_rad * std::sin(stride);
-    double pitch = activity * kPitch_rad * std::sin(step + 0.6);
-    for (auto jolt = jolts.rbegin(); jolt != jolts.rend() && t - jolt->t < 8.0 * kJoltDecay_s; ++jolt) {
-      const double age = t - jolt->t;
-      const double swing = std::exp(-age / kJoltDecay_s) * std::sin(2.0 * kPi * kJolt_hz * age);
-      lift -= jolt->lift * swing;
-      roll += jolt->roll * swing;
-      pitch += jolt->pitch * swing;
-    }
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    const WayPoint& here = way[i];
+    const double t = TimeOf(static_cast<int>(i));
+    gait.StepTo(t, here.activity);
+    const Gait::Swing swing = gait.SwingNow();
     // At rest a robot on servos is never quite still: tenths of a millimetre.
     constexpr double kTremble_m = 1e-4;
     constexpr double kTremble_rad = 1e-4;
-    const double gaze = plan.gaze_rad * here.activity * (walks ? 1.0 : 0.0);
-    const Eigen::Vector2d ahead(std::cos(here.yaw), std::sin(here.yaw));
-    const Eigen::Vector2d left(-ahead.y(), ahead.x());
+    const double gaze = plan.gaze_rad * here.activity * (Walks(plan) ? 1.0 : 0.0);
     const Eigen::Vector2d at =
-        here.at + activity * kSurge_m * std::sin(step) * ahead +
-        (activity * kSway_m * std::sin(stride + 0.5) + kTremble_m * std::sin(2.1 * t)) * left;
+        here.at + gait.activity() * kSurge_m * std::sin(2.0 * gait.stride()) * here.ahead() +
+        (gait.activity() * kSway_m * std::sin(gait.stride() + 0.5) + kTremble_m * std::sin(2.1 * t)) *
+            here.left();
     Vector6d control;
     control << at.x(), at.y(),
-        height[static_cast<std::size_t>(i)] + mounting.body_height_m + lift + kTremble_m * std::sin(3.7 * t),
-        roll + kFollowSlope * std::atan(tilt[static_cast<std::size_t>(i)]) + kTremble_rad * std::sin(2.9 * t),
-        pitch - kFollowSlope * std::atan(slope[static_cast<std::size_t>(i)]) +
-            kTremble_rad * std::sin(1.7 * t),
-        here.yaw + activity * kYaw_rad * std::sin(stride) + gaze * std::sin(2.0 * kPi * 0.21 * t);
+        footing.height[i] + mounting.body_height_m + swing.lift + kTremble_m * std::sin(3.7 * t),
+        swing.roll + kFollowSlope * std::atan(footing.tilt[i]) + kTremble_rad * std::sin(2.9 * t),
+        swing.pitch - kFollowSlope * std::atan(footing.slope[i]) + kTremble_rad * std::sin(1.7 * t),
+        here.yaw + gait.activity() * kYaw_rad * std::sin(gait.stride()) +
+            gaze * std::sin(2.0 * kPi * 0.21 * t);
     controls.push_back(control);
   }
-  return Trajectory(std::move(controls), kStep_s, duration, std::move(strikes));
+  return Trajectory(std::move(controls), kStep_s, duration, gait.strikes_s());
 }
 
 }  // namespace terrace::synthetic

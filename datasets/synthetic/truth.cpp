@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file_bytes.h"
+#include "core/plane_rings.h"
 #include "datasets/npz_file.h"
 
 namespace terrace::synthetic {
@@ -34,10 +35,7 @@ bool Inside(const Ring& ring, const ObservedCells& cells, const Eigen::Vector2d&
   for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
     const Eigen::Vector2d a(ring[i].dot(cells.axis_x), ring[i].dot(cells.axis_y));
     const Eigen::Vector2d b(ring[j].dot(cells.axis_x), ring[j].dot(cells.axis_y));
-    if ((a.y() > p.y()) != (b.y() > p.y()) &&
-        p.x() < a.x() + (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y())) {
-      inside = !inside;
-    }
+    if (CrossesRay(a, b, p)) inside = !inside;
   }
   return inside;
 }

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/plane_rings.h"
 #include "test/client/made_terrain.h"
 
 namespace terrace {
@@ -23,7 +24,7 @@ bool Holds(const ConvexSurface& surface, const Eigen::Vector2d& v) {
 void ExpectSound(const TerrainQuery& query, const ConvexSurface& surface) {
   ASSERT_GE(surface.vertices.size(), 3u);
   EXPECT_EQ(surface.A.rows(), static_cast<Eigen::Index>(surface.vertices.size()));
-  EXPECT_NEAR(surface.area_m2, FlatArea(surface.vertices), 1e-12);
+  EXPECT_NEAR(surface.area_m2, SignedArea(surface.vertices), 1e-12);
   const RegionShape& shape = *query.Find(surface.region_id)->shape;
   const std::size_t size = surface.vertices.size();
   for (std::size_t i = 0; i < size; ++i) {

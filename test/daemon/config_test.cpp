@@ -96,6 +96,26 @@ TEST_F(ConfigTest, ListsEveryProblemAtOnceWithFileLineKeyValueAndRule) {
   EXPECT_THAT(error, HasSubstr("--set nonsense: must read section.key=value"));
 }
 
+TEST_F(ConfigTest, EveryComplaintNamesKeyValueAndRule) {
+  const std::string error =
+      ErrorOf({}, {"camera.scale=0.3", "stereo.rectified_focal_px=3", "camera.mounting.yaw_deg=270",
+                   "stereo.paths=3", "stereo.edge_step_penalty=1", "odometry.num_cells=1",
+                   "mapping.leaves_per_cell=10", "mapping.max_depth_sigma_m=0", "merging.max_angle_deg=50",
+                   "labeling.min_upright_deg=20", "staircases.min_riser_m=0.5", "robot.max_ramp_slope_deg=70",
+                   "robot.self_boxes_m=[1, 2]", "robot.self_mask_pixels=body", "lcm.url=here",
+                   "lcm.imu_gap_ms=0", "channels.imu=IMU.*", "modelling.max_planes=0"});
+  std::istringstream lines(error);
+  int num_complaints = 0;
+  for (std::string line; std::getline(lines, line); ++num_complaints)
+    EXPECT_THAT(line, testing::MatchesRegex("--set .*: [a-z_.0-9]+ = .+ must .+")) << line;
+  EXPECT_EQ(num_complaints, 18);
+}
+
+TEST_F(ConfigTest, SaysWhereAFileHasAKeyThatIsNoSettingAnyMore) {
+  EXPECT_THAT(ErrorOf(File("robot:\n  body_height_m: 0.4\n  foot_radius_m: 0.03\n"), {}),
+              HasSubstr("robot.yaml:3: there is no key 'robot.foot_radius_m'"));
+}
+
 TEST_F(ConfigTest, ReadsSectionsWithinSections) {
   const fs::path file =
       File("camera:\n  mounting:\n    source: body\n    pitch_deg: 20\n    position_m: [0.3, 0, 0.1]\n");
@@ -144,7 +164,7 @@ TEST_F(ConfigTest, EveryKeyIsPrintedBelowItsDocumentation) {
 
 TEST_F(ConfigTest, WhatItPrintsReadsBackAsTheSame) {
   const Config config =
-      LoadConfig({}, {"stereo.max_disparity_px=96", "lcm.url=memq://\"", "robot.foot_radius_m=0.1"});
+      LoadConfig({}, {"stereo.max_disparity_px=96", "lcm.url=memq://\"", "robot.body_height_m=0.5"});
   const std::string printed = PrintConfig(config);
   EXPECT_EQ(PrintConfig(LoadConfig(File(printed), {})), printed);
   EXPECT_EQ(ConfigHash(LoadConfig(File(printed), {})), ConfigHash(config));

@@ -151,7 +151,7 @@ TEST(SelfMaskTest, SaysWhatIsWrongWithTheSettings) {
   config.self_capsules_m = {0, 0, 0, 1, 0, 0, 0};
   const auto problems = config.Problems();
   ASSERT_EQ(problems.size(), 3u);
-  EXPECT_THAT(problems[0], HasSubstr("self_mask_pixels must be"));
+  EXPECT_THAT(problems[0], HasSubstr("self_mask_pixels = \"body\" must be"));
   EXPECT_THAT(problems[1], HasSubstr("six numbers"));
   EXPECT_THAT(problems[2], HasSubstr("radii above 0"));
 }

@@ -20,8 +20,9 @@ TEST(ChannelConfigTest, RefusesNamesThatLcmCannotCarryAndNamesUsedTwice) {
   config.status = config.terrain;
   config.reply = "";
   config.body_pose_kind = "wheels";
-  EXPECT_THAT(config.Problems(), ElementsAre(HasSubstr("images"), HasSubstr("imu"), HasSubstr("reply"),
-                                             HasSubstr("status and terrain"), HasSubstr("body_pose_kind")));
+  EXPECT_THAT(config.Problems(),
+              ElementsAre(HasSubstr("images"), HasSubstr("imu"), HasSubstr("reply"),
+                          HasSubstr("must not be the channel of terrain"), HasSubstr("body_pose_kind")));
 }
 
 }  // namespace

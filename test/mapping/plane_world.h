@@ -67,7 +67,7 @@ struct PlaneWorld {
         const double sigma = camera.DepthSigma(p.z(), std::max(sigma_px, 0.02));
         if (sigma > 0.05 || ((u ^ v) & 1) != 0) continue;
         cloud.points.push_back({p.cast<float>(), static_cast<std::uint16_t>(u), static_cast<std::uint16_t>(v),
-                                static_cast<float>(sigma), static_cast<float>(0.3 * p.z() / camera.fx)});
+                                static_cast<float>(sigma)});
       }
     }
     return cloud;

@@ -154,13 +154,13 @@ TEST(TerrainOctreeTest, LearnsNothingFromFramesWithoutATrustedPose) {
 TEST(TerrainOctreeTest, DropsPointsThatAreNoNumbersOrBeyondTheWorld) {
   Cloud cloud;
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  cloud.points.push_back({{nan, 0, 1}, 100, 100, 0.01F, 0.001F});
-  cloud.points.push_back({{0, 0, nan}, 100, 100, 0.01F, 0.001F});
-  cloud.points.push_back({{0, 0, 1e30F}, 100, 100, 0.01F, 0.001F});
-  cloud.points.push_back({{0, 0, 1}, 100, 100, nan, 0.001F});
-  cloud.points.push_back({{0, 0, -1}, 100, 100, 0.01F, 0.001F});
-  cloud.points.push_back({{0, 0, 1}, 320, 100, 0.01F, 0.001F});
-  cloud.points.push_back({{0, 0, 1}, 100, 240, 0.01F, 0.001F});
+  cloud.points.push_back({{nan, 0, 1}, 100, 100, 0.01F});
+  cloud.points.push_back({{0, 0, nan}, 100, 100, 0.01F});
+  cloud.points.push_back({{0, 0, 1e30F}, 100, 100, 0.01F});
+  cloud.points.push_back({{0, 0, 1}, 100, 100, nan});
+  cloud.points.push_back({{0, 0, -1}, 100, 100, 0.01F});
+  cloud.points.push_back({{0, 0, 1}, 320, 100, 0.01F});
+  cloud.points.push_back({{0, 0, 1}, 100, 240, 0.01F});
   cloud.uncertain = cloud.points;
   PoseEstimate pose = LookFrom(0, 0, 0, 0, 0, 0);
   TerrainOctree octree(MappingConfig{});

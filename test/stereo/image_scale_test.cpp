@@ -31,7 +31,7 @@ TEST(ImageScaleTest, KnowsOnlyHalvings) {
   EXPECT_THAT(ImageScaleConfig{}.Problems(), IsEmpty());
   EXPECT_THAT(ImageScaleConfig{0.25}.Problems(), IsEmpty());
   for (const double scale : {0.0, 0.3, 2.0, -0.5})
-    EXPECT_THAT(ImageScaleConfig{scale}.Problems(), ElementsAre(HasSubstr("scale must be 1, 0.5 or 0.25")));
+    EXPECT_THAT(ImageScaleConfig{scale}.Problems(), ElementsAre(HasSubstr("must be 1, 0.5 or 0.25")));
 }
 
 TEST(ImageScaleTest, LeavesEverythingAsItIsAtOne) {

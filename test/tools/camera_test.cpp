@@ -213,7 +213,7 @@ TEST(CameraConfigTest, ReadsWhatIsShippedAndRefusesWhatCannotBe) {
     return "";
   };
   EXPECT_EQ(problem_of("{device: /dev/video3, width: 640, height: 240, format: GREY, swap: true}"), "");
-  EXPECT_THAT(problem_of("{format: RGB3}"), HasSubstr("format = RGB3 must be"));
+  EXPECT_THAT(problem_of("{format: RGB3}"), HasSubstr("format = \"RGB3\" must be"));
   EXPECT_THAT(problem_of("{rate: 30}"), HasSubstr("no such key"));
   EXPECT_THAT(problem_of("{rate_hz: -1}"), HasSubstr("rate_hz = -1 must lie between"));
   EXPECT_THAT(problem_of("{width: 641}"), HasSubstr("must be even"));

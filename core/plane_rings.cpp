@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "polygonization/plane_rings.h"
+#include "core/plane_rings.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace terrace {
 namespace {
@@ -46,12 +47,33 @@ double SignedArea(const Ring2& ring) {
 
 bool Contains(const Ring2& ring, const Eigen::Vector2d& p) {
   bool inside = false;
-  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-    const Eigen::Vector2d &a = ring[i], &b = ring[j];
-    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-    if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
-  }
+  for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
+    if (CrossesRay(ring[i], ring[j], p)) inside = !inside;
   return inside;
+}
+
+void MarkFarVertices(const Ring2& ring, std::size_t first, std::size_t last, double tolerance_m,
+                     std::vector<bool>* marked) {
+  std::vector<std::pair<std::size_t, std::size_t>> chains{{first, last}};
+  const std::size_t n = ring.size();
+  while (!chains.empty()) {
+    const auto [begin, end] = chains.back();
+    chains.pop_back();
+    double farthest = tolerance_m;
+    std::size_t split = begin;
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      const Eigen::Vector2d& p = ring[i % n];
+      const double d = (NearestOnSegment(ring[begin % n], ring[end % n], p) - p).norm();
+      if (d > farthest) {
+        farthest = d;
+        split = i;
+      }
+    }
+    if (split == begin) continue;
+    (*marked)[split % n] = true;
+    chains.emplace_back(begin, split);
+    chains.emplace_back(split, end);
+  }
 }
 
 std::vector<RingEdge> TouchingEdges(const std::vector<const Ring2*>& rings) {
