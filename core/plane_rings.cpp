@@ -61,9 +61,11 @@ void MarkFarVertices(const Ring2& ring, std::size_t first, std::size_t last, dou
     chains.pop_back();
     double farthest = tolerance_m;
     std::size_t split = begin;
+    const Eigen::Vector2d &from = ring[begin % n], &to = ring[end % n];
     for (std::size_t i = begin + 1; i < end; ++i) {
       const Eigen::Vector2d& p = ring[i % n];
-      const double d = (NearestOnSegment(ring[begin % n], ring[end % n], p) - p).norm();
+      // Relative to the chain's beginning: rings traced on a grid have ties, which rounding decides.
+      const double d = (p - from - ShareAlong(from, to, p) * (to - from)).norm();
       if (d > farthest) {
         farthest = d;
         split = i;

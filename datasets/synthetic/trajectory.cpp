@@ -150,7 +150,7 @@ double DurationOf(const MotionPlan& plan, const SpeedProfile& walk) {
 bool Walks(const MotionPlan& plan) { return plan.kind == MotionKind::kWalk && plan.path.size() > 1; }
 
 /// When the spline has its control `i`: it reaches one step beyond either end.
-double TimeOf(int i) { return (i - 1) * kStep_s; }
+double TimeOfControl(int i) { return (i - 1) * kStep_s; }
 
 /// Where the robot is on its way over the ground.
 struct WayPoint {
@@ -171,7 +171,7 @@ std::vector<WayPoint> WayOf(const MotionPlan& plan, const SmoothPath& path, cons
   double turned = 0.0;
   double yaw = heading0;
   for (int i = 0; i < count; ++i) {
-    const double t = TimeOf(i);
+    const double t = TimeOfControl(i);
     WayPoint here{plan.path.front(), heading0, 0.0};
     if (Walks(plan)) {
       const double speed = walk.SpeedAt(t);
@@ -344,7 +344,7 @@ Trajectory PlanMotion(const MotionPlan& plan, const Mounting& mounting, const Gr
   std::vector<Vector6d> controls;
   for (std::size_t i = 0; i < way.size(); ++i) {
     const WayPoint& here = way[i];
-    const double t = TimeOf(static_cast<int>(i));
+    const double t = TimeOfControl(static_cast<int>(i));
     gait.StepTo(t, here.activity);
     const Gait::Swing swing = gait.SwingNow();
     // At rest a robot on servos is never quite still: tenths of a millimetre.
