@@ -51,9 +51,6 @@ struct Verdict {
   LabelEvidence evidence;
 };
 
-/// What keeps a region undecided by this rule; empty: the rule decides.
-const char* WhyUndecided(LabelRule rule);
-
 /// True when two supports are at one height across a gap, and what lies between them was not seen to be
 /// lower.
 bool GroundGoesOn(const RegionShape& a, const RegionShape& b, const std::vector<RegionShapePtr>& shapes,
@@ -88,6 +85,7 @@ class LabelRules {
   Verdict DecideLevel(int i, const std::vector<bool>& large) const;
   Verdict DecideSlope(int i, bool large) const;
   std::optional<Verdict> Undecided(const RegionShape& slope) const;
+  std::optional<Verdict> LeansTooMuch(const RegionShape& level) const;
 
   const LabelingConfig& config_;
   const StaircaseConfig& stairs_;
