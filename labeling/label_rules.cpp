@@ -297,8 +297,11 @@ Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
   if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3, LabelRule::kTooSmall};
   const std::optional<double> height = HeightOverSurroundings(i);
   Verdict verdict(TerrainLabel::kUnknown, 0.4, LabelRule::kTooSmallToWalkOn);
-  // The top of something that stands on the ground; higher up it is a shelf or a ledge.
-  if (height && *height < config_.min_wall_height_m) {
+  // The top of something that stands on the ground; higher up it is a shelf or a ledge. Climbing, the robot
+  // sees little of a landing at first.
+  if (scene_.landings[i]) {
+    // Nothing more is known of it yet.
+  } else if (height && *height < config_.min_wall_height_m) {
     verdict = {TerrainLabel::kObstacle, Seasoned(0.85 * level, s), LabelRule::kStandsOnGround};
   } else if (const int ground = height ? -1 : GroundContinuedBy(i, large); ground >= 0) {
     verdict = leans.value_or(

@@ -28,6 +28,7 @@ struct Scene {
   const std::vector<bool>& reachable;
   const std::vector<TopView>& tops;
   const std::vector<double>& nearest_view_m;  ///< least distance from which each was seen
+  const std::vector<bool>& landings;          ///< whether each may be what a told staircase leads to
 };
 
 /// What a label was decided by.

@@ -57,5 +57,32 @@ TEST(LabelRulesTest, OffersGroundOnlyWhereItIsKnownHowItLeans) {
   EXPECT_EQ(MoreGround(11.0, 1.0)->label, TerrainLabel::kUnknown) << "it rises little, but is too steep";
 }
 
+TEST(LabelRulesTest, TakesTheFirstStripOfALandingForNoObstacleAndTheLandingForAWalkwayAtOnce) {
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 2);
+  KnownFlight flight;
+  flight.foot = {3, 0, 0};
+  scene.AddFlight(flight);
+  const double head_x = 3 + 5 * flight.run_m, head_z = 6 * flight.rise_m;
+  TerrainLabeler labeler = MakeLabeler();
+  const PoseEstimate climbing = StandingAt(3.5, 0, 0.34);
+  LabelOften(labeler, scene.Update(), climbing);
+  LabelScene strip = scene;
+  strip.AddLevel(TerrainLabel::kUnknown, {head_x + 0.08, 0, head_z}, 0.16, 1.4);
+  const auto label = [&](const LabelScene& seen) {
+    const TerrainMapPtr map = LabelOften(labeler, seen.Update(), climbing, 1);
+    for (const auto& region : map->regions)
+      if (region->id == static_cast<std::int64_t>(seen.pieces.size())) return region->label;
+    return TerrainLabel::kWall;
+  };
+  EXPECT_NE(label(strip), TerrainLabel::kObstacle);
+  LabelScene landing = scene;
+  landing.AddLevel(TerrainLabel::kWalkway, {head_x + 0.5, 0, head_z}, 1.0, 1.4);
+  EXPECT_EQ(label(landing), TerrainLabel::kWalkway);
+  LabelScene thing = landing;
+  thing.AddLevel(TerrainLabel::kObstacle, {3 + 2.5 * flight.run_m, 0, 3 * flight.rise_m + 0.1}, 0.15, 0.4);
+  EXPECT_EQ(label(thing), TerrainLabel::kObstacle) << "it lies on the third tread";
+}
+
 }  // namespace
 }  // namespace terrace
