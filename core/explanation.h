@@ -33,11 +33,12 @@ enum class LabelRule {
   kSlopeJustSeen,      ///< it looks like a ramp, for fewer frames than that takes
   kSlopeOutOfReach,    ///< inclined and not reachable
   kSlopeTooSmall,      ///< inclined and too small to walk on
+  kSlopeNotKnown,      ///< it may be level, but how it leans is not known
   kSteepFootNotKnown,  ///< too steep to walk on, nothing known of its foot
   kTooSmallToWalkOn,   ///< level and reachable, and too small
   kFacesDown,
 };
-inline constexpr int kNumLabelRules = 24;
+inline constexpr int kNumLabelRules = 25;
 const char* Name(LabelRule rule);  ///< "step", "reachable_ground", ...
 std::optional<LabelRule> LabelRuleFromName(const std::string& name);
 

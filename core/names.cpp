@@ -44,6 +44,7 @@ constexpr std::array<const char*, kNumLabelRules> kLabelRuleNames = {"not_looked
                                                                      "slope_just_seen",
                                                                      "slope_out_of_reach",
                                                                      "slope_too_small",
+                                                                     "slope_not_known",
                                                                      "steep_foot_not_known",
                                                                      "too_small_to_walk_on",
                                                                      "faces_down"};

@@ -119,6 +119,8 @@ std::string ExplanationWords::Reason(const RegionExplanation& r) const {
       return "inclined, large, and not reachable";
     case LabelRule::kSlopeTooSmall:
       return "inclined, and too small to walk on";
+    case LabelRule::kSlopeNotKnown:
+      return "large or beside large ground, and how it leans is not known";
     case LabelRule::kSteepFootNotKnown:
       return "too steep to walk on, and nothing is known of its foot";
     case LabelRule::kTooSmallToWalkOn:
@@ -207,6 +209,10 @@ std::string ExplanationWords::OtherwiseUndecided(const RegionExplanation& r) con
       return Printed("It becomes a ramp after %d such frames in a row.", config_.frames_to_change_label);
     case LabelRule::kSlopeTooSmall:
       return Printed("A ramp holds a square of %.2f m.", config_.min_walkway_edge_m);
+    case LabelRule::kSlopeNotKnown:
+      return Printed(
+          "A walkway leans by no more than %.0f deg, with two standard deviations that are no wider.",
+          robot_.max_walkway_slope_deg);
     default:
       return "";
   }

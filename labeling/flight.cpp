@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -27,13 +28,17 @@ Interval MiddleOf(std::vector<Interval> widths) {
 /// The stride on which the fitted elements agree best; none when they do not determine it.
 std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepFit>& fits) {
   // Of a face both ends are seen from afar, of a tread often only a part.
-  std::vector<Interval> widths;
   const bool any_riser = std::any_of(fits.begin(), fits.end(),
                                      [&](const StepFit& fit) { return flight.elements[fit.element].riser; });
+  std::map<int, Interval> steps;  // each with all its fragments
   for (const StepFit& fit : fits) {
     const StepElement& e = flight.elements[fit.element];
-    if (e.riser == any_riser && !e.landing) widths.push_back(e.lateral);
+    if (e.riser != any_riser || e.landing) continue;
+    Interval& width = steps.try_emplace(fit.step_index, e.lateral).first->second;
+    width = width.Hull(e.lateral);
   }
+  std::vector<Interval> widths;
+  for (const auto& [step, width] : steps) widths.push_back(width);
   if (widths.empty()) return std::nullopt;
   const auto z = FitLine(StepHeights(flight, fits));
   const auto along = FitLine(StepPlaces(flight, fits));
@@ -85,7 +90,7 @@ std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::ve
     const RegionShape& s = *shapes[e.shape];
     members.push_back(e);
     if (e.landing) continue;
-    if (e.riser) {
+    if (e.riser && !e.leaning) {
       risers -= s.area_m2 * s.front();
     } else if (e.leaning) {
       treads -= s.area_m2 * s.plane.normal.head<2>().normalized();
@@ -112,7 +117,7 @@ std::optional<Flight> TurnToMembers(const StaircaseConfig& config, const std::ve
     feet += trust * (e.along.low - (fit->step_index - 1) * flight.stride.run);
     weight += trust;
     if (e.landing) continue;
-    lateral = {std::min(lateral.low, e.lateral.low), std::max(lateral.high, e.lateral.high)};
+    lateral = lateral.Hull(e.lateral);
   }
   if (weight <= 0.0 || lateral.length() <= 0.0) return std::nullopt;
   turned.stride.along0 = feet / weight;

@@ -49,7 +49,7 @@ void AddAxesOfRisers(const StaircaseConfig& config, const std::vector<RegionShap
                      const std::vector<StepCandidate>& candidates, AxisList& axes) {
   for (const StepCandidate& a : candidates) {
     for (const StepCandidate& b : candidates) {
-      if (!a.riser || !b.riser) continue;
+      if (!a.riser || !b.riser || a.leaning || b.leaning) continue;
       const RegionShape& low = *shapes[a.shape];
       const RegionShape& high = *shapes[b.shape];
       const double rise = high.face_heights.middle() - low.face_heights.middle();
@@ -95,9 +95,7 @@ std::vector<FlightFramePtr> StraightFrames(const StaircaseConfig& config,
   std::vector<Vote> votes;
   for (const StepCandidate& c : candidates) {
     const RegionShape& s = *shapes[c.shape];
-    if (c.riser) {
-      votes.push_back({-s.front(), s.area_m2});
-    } else if (c.leaning) {
+    if (c.riser || c.leaning) {
       votes.push_back({-s.plane.normal.head<2>().normalized(), s.area_m2});
     } else if (!c.spiral_only && s.rectangle.length_m > 1.5 * s.rectangle.depth_m) {
       const double weight = s.rectangle.Elongation() * s.area_m2;

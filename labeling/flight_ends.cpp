@@ -66,8 +66,7 @@ std::vector<LevelBeside> LevelsBeside(const StaircaseConfig& config,
       const double length = whole.along.length();
       for (const LevelBeside& piece : pieces) {
         if (piece.level != whole.level || piece.along.Overlap(whole.along) < -kMaxGap) continue;
-        whole.along = {std::min(whole.along.low, piece.along.low),
-                       std::max(whole.along.high, piece.along.high)};
+        whole.along = whole.along.Hull(piece.along);
       }
       if (whole.along.length() == length) break;
     }

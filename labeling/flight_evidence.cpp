@@ -62,8 +62,8 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
     evidence.seen.insert({k, e.riser});
     levels.insert(k);
     Interval& side = sides.try_emplace({k, e.riser}, e.lateral).first->second;
-    side = {std::min(side.low, e.lateral.low), std::max(side.high, e.lateral.high)};
-    if (e.riser) {
+    side = side.Hull(e.lateral);
+    if (e.riser && !e.leaning) {
       // The step in front hides a part of a face from below, a strip of a neighbour makes it higher.
       const double whole = e.heights.length() / stride.rise;
       if (whole > 0.55 && whole < 1.3) whole_faces.insert(k);
@@ -177,13 +177,16 @@ double RunSigma(double sigma_at_radius_m, const FlightModel& model) {
 }
 
 /// True when most members are seen so well that what they say of a step can be relied on: noise moves them by
-/// less than a sixteenth of the rise.
+/// less than a sixteenth of the rise. Far faces that have merged with their treads are known to be blurred.
 bool SeenSharply(const std::vector<StepMember>& members, const std::vector<RegionShapePtr>& shapes,
                  double rise_m) {
-  const auto num_sharp = std::count_if(members.begin(), members.end(), [&](const StepMember& member) {
-    return shapes[member.shape]->polygon->noise_m <= rise_m / 16.0;
-  });
-  return 2 * num_sharp > static_cast<std::ptrdiff_t>(members.size());
+  int num = 0, num_sharp = 0;
+  for (const StepMember& member : members) {
+    if (member.riser && member.only_evidence) continue;
+    ++num;
+    num_sharp += shapes[member.shape]->polygon->noise_m <= rise_m / 16.0;
+  }
+  return 2 * num_sharp > num;
 }
 
 /// One step is enough between the edge of a landing and the floor below, else it takes two.

@@ -2,6 +2,7 @@
 #include "labeling/flight_search.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace terrace {
 namespace {
@@ -24,10 +25,7 @@ class StrideContest {
       stride.along0 = edge_low;
       stride.z0 = low.riser ? low.z - 0.5 * stride.rise : low.z - stride.rise;
       if (!stride.Plausible(config_)) continue;
-      stride.lateral = low.lateral;
-      if (!high.landing)
-        stride.lateral = {std::min(low.lateral.low, high.lateral.low),
-                          std::max(low.lateral.high, high.lateral.high)};
+      stride.lateral = high.landing ? WidthOfStep(low) : low.lateral.Hull(high.lateral);
       const double score = FitSteps(config_, frame_, stride, elements_, nullptr);
       if (score <= score_) continue;
       score_ = score;
@@ -38,6 +36,17 @@ class StrideContest {
   double score() const { return score_; }
 
  private:
+  /// Of what shows of a tread below a landing, with all that may be fragments of it: at its height and place.
+  Interval WidthOfStep(const StepElement& element) const {
+    constexpr double kSameHeight_m = 0.015;
+    Interval width = element.lateral;
+    for (const StepElement& e : elements_)
+      if (!e.riser && !e.landing && std::abs(e.z - element.z) < kSameHeight_m &&
+          e.along.Overlap(element.along) > -kSameHeight_m)
+        width = width.Hull(e.lateral);
+    return width;
+  }
+
   const StaircaseConfig& config_;
   const FlightFrame& frame_;
   const std::vector<StepElement>& elements_;

@@ -51,6 +51,10 @@ std::vector<LineValue> StepHeights(const Flight& flight, const std::vector<StepF
   for (const StepFit& fit : fits) {
     const StepElement& e = flight.elements[fit.element];
     if (e.landing && !flight.ends.empty()) continue;  // one of those
+    if (e.riser && e.leaning) {                       // its middle is known, and no end of it
+      values.push_back({fit.step_index - 0.5, e.z, e.height_sigma_m, shares.Of(fit)});
+      continue;
+    }
     const double z = e.riser ? e.heights.high : e.z;
     const double offset = e.riser ? kFaceTopsOffset_m : e.underside ? kBoardOffset_m : 0.0;
     values.push_back({static_cast<double>(fit.step_index), z, e.height_sigma_m, shares.Of(fit), offset});

@@ -25,33 +25,6 @@ double Seasoned(double confidence, const RegionShape& shape) {
 
 }  // namespace
 
-const char* WhyUndecided(LabelRule rule) {
-  switch (rule) {
-    case LabelRule::kTooSmall:
-      return "too small";
-    case LabelRule::kTopNotSeen:
-      return "its top was not seen";
-    case LabelRule::kSlopeNotResolved:
-      return "inclined, not resolved";
-    case LabelRule::kSlopeNotPlane:
-      return "inclined, not a plane";
-    case LabelRule::kSlopeJustSeen:
-      return "inclined, just seen";
-    case LabelRule::kSlopeOutOfReach:
-      return "not reachable";
-    case LabelRule::kSlopeTooSmall:
-      return "inclined, too small to walk on";
-    case LabelRule::kSteepFootNotKnown:
-      return "steep, nothing known of its foot";
-    case LabelRule::kTooSmallToWalkOn:
-      return "too small to walk on";
-    case LabelRule::kFacesDown:
-      return "faces down";
-    default:
-      return "";
-  }
-}
-
 bool GroundGoesOn(const RegionShape& a, const RegionShape& b, const std::vector<RegionShapePtr>& shapes,
                   const LabelingConfig& config) {
   const Eigen::Vector3d reach(config.max_unseen_gap_m, config.max_unseen_gap_m, config.max_joint_height_m);
@@ -264,6 +237,16 @@ std::optional<Verdict> LabelRules::Undecided(const RegionShape& slope) const {
   return std::nullopt;
 }
 
+/// Ground is offered where it is known how it leans, and that it leans no more than a walkway.
+std::optional<Verdict> LabelRules::LeansTooMuch(const RegionShape& level) const {
+  const double most_rad = Radians(robot_.max_walkway_slope_deg);
+  const double doubt_rad = 2.0 * level.slope_sigma_rad;
+  if (doubt_rad > most_rad) return Verdict{TerrainLabel::kUnknown, 0.4, LabelRule::kSlopeNotKnown};
+  if (level.slope_rad - doubt_rad > most_rad)
+    return Verdict{TerrainLabel::kUnknown, 0.4, LabelRule::kSlopeTooSmall};
+  return std::nullopt;
+}
+
 Verdict LabelRules::DecideSteep(int i) const {
   const RegionShape& s = *scene_.shapes[i];
   if (s.area_m2 < 2.0 * config_.min_decided_area_m2)
@@ -307,16 +290,22 @@ Verdict LabelRules::DecideLevel(int i, const std::vector<bool>& large) const {
   const RegionShape& s = *scene_.shapes[i];
   const double level = ChancePositive(Radians(robot_.max_ramp_slope_deg) - s.slope_rad, s.slope_sigma_rad);
   if (const std::optional<Verdict> undecided = Undecided(s)) return *undecided;
+  const std::optional<Verdict> leans = LeansTooMuch(s);
   if (large[i] && scene_.reachable[i])
-    return {TerrainLabel::kWalkway, Seasoned(0.97 * level, s), LabelRule::kReachableGround};
+    return leans.value_or(
+        Verdict(TerrainLabel::kWalkway, Seasoned(0.97 * level, s), LabelRule::kReachableGround));
   if (s.area_m2 < config_.min_decided_area_m2) return {TerrainLabel::kUnknown, 0.3, LabelRule::kTooSmall};
   const std::optional<double> height = HeightOverSurroundings(i);
   Verdict verdict(TerrainLabel::kUnknown, 0.4, LabelRule::kTooSmallToWalkOn);
-  // The top of something that stands on the ground; higher up it is a shelf or a ledge.
-  if (height && *height < config_.min_wall_height_m) {
+  // The top of something that stands on the ground; higher up it is a shelf or a ledge. Climbing, the robot
+  // sees little of a landing at first.
+  if (scene_.landings[i]) {
+    // Nothing more is known of it yet.
+  } else if (height && *height < config_.min_wall_height_m) {
     verdict = {TerrainLabel::kObstacle, Seasoned(0.85 * level, s), LabelRule::kStandsOnGround};
   } else if (const int ground = height ? -1 : GroundContinuedBy(i, large); ground >= 0) {
-    verdict = {TerrainLabel::kWalkway, Seasoned(0.7 * level, s), LabelRule::kContinuesGround};
+    verdict = leans.value_or(
+        Verdict(TerrainLabel::kWalkway, Seasoned(0.7 * level, s), LabelRule::kContinuesGround));
     verdict.evidence.decided_by = scene_.shapes[ground]->id();
   } else if (!scene_.reachable[i]) {
     verdict = {TerrainLabel::kLevel, Seasoned(0.6 * level, s), LabelRule::kOutOfReach};

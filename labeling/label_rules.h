@@ -28,6 +28,7 @@ struct Scene {
   const std::vector<bool>& reachable;
   const std::vector<TopView>& tops;
   const std::vector<double>& nearest_view_m;  ///< least distance from which each was seen
+  const std::vector<bool>& landings;          ///< whether each may be what a told staircase leads to
 };
 
 /// What a label was decided by.
@@ -50,9 +51,6 @@ struct Verdict {
   double confidence = 0.0;
   LabelEvidence evidence;
 };
-
-/// What keeps a region undecided by this rule; empty: the rule decides.
-const char* WhyUndecided(LabelRule rule);
 
 /// True when two supports are at one height across a gap, and what lies between them was not seen to be
 /// lower.
@@ -88,6 +86,7 @@ class LabelRules {
   Verdict DecideLevel(int i, const std::vector<bool>& large) const;
   Verdict DecideSlope(int i, bool large) const;
   std::optional<Verdict> Undecided(const RegionShape& slope) const;
+  std::optional<Verdict> LeansTooMuch(const RegionShape& level) const;
 
   const LabelingConfig& config_;
   const StaircaseConfig& stairs_;

@@ -52,7 +52,8 @@ struct LabelingConfig {
   /// Regions narrower than this many times their noise are not told, unless they are part of a staircase: far
   /// away, noise makes up planes.
   double min_width_in_noise = 10.0;
-  /// A label changes when this many frames in a row say so; a staircase appears after as many.
+  /// A label changes when this many frames in a row say so; a staircase appears after as many, or after two
+  /// that leave little doubt.
   int frames_to_change_label = 3;
   /// Heights are measured again when what is known of gravity has turned by more than this.
   double max_gravity_change_deg = 0.2;

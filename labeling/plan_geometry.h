@@ -51,6 +51,10 @@ struct Interval {
   double Overlap(const Interval& other) const {
     return std::min(high, other.high) - std::max(low, other.low);
   }
+  /// Both, and what lies between them.
+  Interval Hull(const Interval& other) const {
+    return {std::min(low, other.low), std::max(high, other.high)};
+  }
 };
 Interval Extent(const PlanRing& ring, const Eigen::Vector2d& axis);
 /// The same as most of the ring has it: the middle one of the ends on lines along the axis, spread over

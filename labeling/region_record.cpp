@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "labeling/why_undecided.h"
+
 namespace terrace {
 
 Verdict RegionRecord::Steady(const Verdict& verdict, int frames_to_change) {

@@ -38,8 +38,7 @@ std::optional<FoundStaircase> Complete(const StaircaseConfig& config,
 void WidenTo(const FlightModel& known, FlightModel& model) {
   if (known.spiral || model.spiral) return;
   const double shift = LeftOf(model.direction).dot(known.origin - model.origin);
-  model.lateral = {std::min(model.lateral.low, known.lateral.low + shift),
-                   std::max(model.lateral.high, known.lateral.high + shift)};
+  model.lateral = model.lateral.Hull({known.lateral.low + shift, known.lateral.high + shift});
 }
 
 /// True when a shape lies among the steps of a flight or continues them to a side: at its place, and about as

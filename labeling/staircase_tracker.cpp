@@ -259,11 +259,13 @@ void StaircaseTracker::Match(const std::vector<FoundStaircase>& found,
     if (best == found.size()) {
       ++track.num_missed;
       track.num_found = 0;
+      track.doubt = 1.0;
       continue;
     }
     taken[best] = true;
     track.num_missed = 0;
     ++track.num_found;
+    track.doubt *= 1.0 - found[best].confidence;
     Adopt(track, found[best]);
   }
   for (std::size_t f = 0; f < found.size(); ++f) {
@@ -271,6 +273,7 @@ void StaircaseTracker::Match(const std::vector<FoundStaircase>& found,
     Track track;
     track.staircase.found = found[f];
     track.num_found = 1;
+    track.doubt = 1.0 - found[f].confidence;
     tracks_.emplace(++last_serial_, std::move(track));
   }
 }
@@ -340,9 +343,12 @@ void StaircaseTracker::ForgetGone() {
   std::sort(removed_.begin(), removed_.end());
 }
 
-/// Tells a staircase that has been found often enough.
+/// Tells a staircase that has been found often enough: two frames that leave little doubt are.
 void StaircaseTracker::Confirm(Track* track, const ShapeTable& table) {
-  if (!track->told && track->num_found < num_frames_) return;
+  constexpr int kLeastFrames = 2;
+  constexpr double kLittleDoubt = 0.02;
+  const bool sure = track->num_found >= kLeastFrames && track->doubt <= kLittleDoubt;
+  if (!track->told && !sure && track->num_found < num_frames_) return;
   TrackedStaircase& s = track->staircase;
   if (!track->told) s.id = ++last_id_;
   Staircase now = Publish(s, table.R_level_world());

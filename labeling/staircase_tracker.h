@@ -59,6 +59,7 @@ class StaircaseTracker {
   struct Track {
     TrackedStaircase staircase;
     int num_found = 0;   ///< in a row, until confirmed
+    double doubt = 1.0;  ///< chance that all of these frames were wrong
     int num_missed = 0;  ///< in a row
     bool told = false;
     bool away = false;        ///< none of its regions is looked at

@@ -11,14 +11,23 @@ namespace terrace {
 
 namespace {
 
+/// Unit vector up the slope, in the plan.
+Eigen::Vector2d Uphill(const RegionShape& s) { return -s.plane.normal.head<2>().normalized(); }
+
 /// True when an incline may be a strip of a tread that was merged with those of its neighbours: it departs
 /// from its plane, as a level strip does, and lies across the slope.
 bool MayBeStripOfTread(const StaircaseConfig& config, const RegionShape& s) {
   if (s.lean != Lean::kSupport && s.lean != Lean::kSteep) return false;
   // One strip may be lower than a step: the residuals are those of all strips of the incline.
   if (!SteepAsStairs(s, config) || !DepartsFromPlane(s, config)) return false;
-  const Eigen::Vector2d uphill = -s.plane.normal.head<2>().normalized();
-  return std::abs(s.rectangle.short_axis().dot(uphill)) >= std::cos(Radians(config.max_turn_deg));
+  return std::abs(s.rectangle.short_axis().dot(Uphill(s))) >= std::cos(Radians(config.max_turn_deg));
+}
+
+/// True when a steep strip may be a face that has merged with what shows of the treads at its foot and top:
+/// steeper than stairs are, and not upright.
+bool MayBeFaceWithTreads(const StaircaseConfig& config, const RegionShape& s) {
+  if (s.lean != Lean::kSteep || s.slope_rad <= Radians(config.max_pitch_deg)) return false;
+  return std::abs(s.rectangle.short_axis().dot(Uphill(s))) >= std::cos(Radians(config.max_turn_deg));
 }
 
 /// Boards of stairs are 3 to 6 cm thick.
@@ -43,12 +52,14 @@ double TreadFrontSigma(const RegionShape& tread, const Eigen::Vector3d& eye) {
 void AddSigmas(const RegionShape& shape, const Eigen::Vector3d& eye, StepCandidate& c) {
   constexpr double kRoughHeightSigma = 0.015;
   constexpr double kBestPlace_m = 0.008;
+  constexpr double kMergedPlace_m = 0.03;  // treads do not show alike at foot and top
   const double level_sigma = LevelHeightSigma(shape);
   const bool about = c.leaning || c.underside;
   c.height_sigma_m = c.riser ? kRoughHeightSigma
                      : about ? std::max(kRoughHeightSigma, level_sigma)
                              : level_sigma;
-  c.front_sigma_m = c.riser ? std::hypot(kBestPlace_m, shape.polygon->noise_m) : TreadFrontSigma(shape, eye);
+  c.front_sigma_m = c.riser ? std::hypot(c.leaning ? kMergedPlace_m : kBestPlace_m, shape.polygon->noise_m)
+                            : TreadFrontSigma(shape, eye);
   c.eye = eye.head<2>();
 }
 
@@ -82,6 +93,9 @@ std::vector<StepCandidate> StepCandidates(const StaircaseConfig& config,
     if (MayBeStripOfTread(config, s)) {
       const double depth = s.rectangle.depth_m;
       if (depth >= kMinDepth && depth <= config.max_tread_m) candidates.push_back({i, false, false, true});
+    } else if (MayBeFaceWithTreads(config, s)) {
+      const double height = s.heights().length();
+      if (height >= kMinFaceHeight && height <= max_face) candidates.push_back({i, true, false, true});
     } else if (s.lean == Lean::kUpright) {
       const double height = s.face_heights.length();
       if (height >= kMinFaceHeight && height <= max_face) candidates.push_back({i, true});
@@ -113,10 +127,9 @@ std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
     if (c.landing ? frame.spiral() : c.spiral_only && !frame.spiral()) continue;
     const RegionShape& s = *shapes[c.shape];
     const Eigen::Vector2d up = frame.UpAt(s.rectangle.center);
-    if (c.riser && -s.front().dot(up) < min_cos_riser) continue;
-    // It leans as the flight does.
-    if (c.leaning && (frame.spiral() || -s.plane.normal.head<2>().normalized().dot(up) < min_cos_riser))
-      continue;
+    // It faces down the stairs, and leans as the flight does.
+    if ((c.riser || c.leaning) && Uphill(s).dot(up) < min_cos_riser) continue;
+    if (c.leaning && frame.spiral()) continue;
     if (!c.riser && !c.landing && !frame.spiral() && s.rectangle.length_m > 2.0 * s.rectangle.depth_m &&
         std::abs(s.rectangle.short_axis().dot(up)) < min_cos_tread)
       continue;
@@ -130,7 +143,7 @@ std::vector<StepElement> MeasureSteps(const StaircaseConfig& config,
     e.seen_from_uphill = (seen_at - c.eye).dot(up) < 0.0;
     if (c.landing && !e.seen_from_uphill) continue;
     if (c.riser) e.along = {e.along.middle(), e.along.middle()};
-    e.heights = c.riser ? s.face_heights : s.heights();
+    e.heights = c.riser && !c.leaning ? s.face_heights : s.heights();
     e.z = c.riser ? e.heights.middle() : s.HeightAt(s.rectangle.center);
     if (c.underside) e.z += kBoard;
     e.area_m2 = s.area_m2;

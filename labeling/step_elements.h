@@ -15,7 +15,8 @@ struct StepCandidate {
   bool riser = false;
   bool spiral_only = false;  ///< too deep for a straight tread, but a wedge is deeper at its outer end
   /// Strips of treads that merged into one incline, seen over the edges of the steps above: its middle is as
-  /// high as the tread. Evidence of a step, but no region to step on.
+  /// high as the tread. Or, as a riser, a face that has merged with what shows of the treads beside it: its
+  /// middle is that of the face. Evidence of a step, but no region to step on.
   bool leaning = false;
   /// A board seen from below. Evidence of a step as well, and no region to step on.
   bool underside = false;

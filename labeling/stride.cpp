@@ -48,9 +48,12 @@ std::optional<StepFit> FitStep(const StaircaseConfig& config, const FlightFrame&
     // What is hidden makes a tread shorter, never longer.
     strain = std::max(strain, (edge - low) / config.edge_tolerance_m);
     strain = std::max(strain, (high - (edge + stride.run)) / config.edge_tolerance_m);
-    constexpr double kLeastDepth = 0.05;  // from above, no more may show over the edge of the step before it
-    if (std::min(high, edge + stride.run) - std::max(low, edge) < std::min(kLeastDepth, 0.25 * stride.run))
-      return std::nullopt;
+    // From above, no more may show over the edge of the step before it. A narrower strip must lie within its
+    // step.
+    constexpr double kLeastDepth = 0.05;
+    constexpr double kWithin = 0.8;
+    const double within = std::min(high, edge + stride.run) - std::max(low, edge);
+    if (within < std::min({kLeastDepth, 0.25 * stride.run, kWithin * (high - low)})) return std::nullopt;
   }
   if (strain > 1.0) return std::nullopt;
   return StepFit{0, k, 1.0 - strain};

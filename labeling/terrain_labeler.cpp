@@ -18,6 +18,7 @@
 #include "labeling/region_record.h"
 #include "labeling/shape_table.h"
 #include "labeling/sight.h"
+#include "labeling/stair_landings.h"
 #include "labeling/stair_regions.h"
 #include "labeling/staircase_tracker.h"
 #include "labeling/stance.h"
@@ -83,7 +84,8 @@ class TerrainLabeler::Impl {
     const std::vector<int> seeds = WhereItStands(pose);
     const std::vector<bool> reachable =
         ReachableFrom(seeds, StairLinks(tracker_.looked_at(), table_, robot_), graph_, shapes, config_);
-    const Scene scene{shapes, graph_, reachable, views_.tops(), views_.nearest_view_m()};
+    const std::vector<bool> landings = MayBeLandings(tracker_.looked_at(), shapes);
+    const Scene scene{shapes, graph_, reachable, views_.tops(), views_.nearest_view_m(), landings};
     return Publish(update, pose, gravity, LabelRules(config_, stairs_, robot_, scene).Decide());
   }
 

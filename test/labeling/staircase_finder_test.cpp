@@ -281,23 +281,31 @@ TEST(StaircaseFinderTest, MissesNoRisersWhereTheyAreOpen) {
   EXPECT_NEAR(found[0].model.rise_m, 0.155, 0.002);
 }
 
+/// What is seen below an edge.
+struct BelowAnEdge {
+  double floor_below_m = 0.45;
+  std::vector<Interval> tread_across{{-0.6, 1.0}};  ///< each fragment of it
+  double shows_m = 0.1;                             ///< of the tread
+};
+
 /// The floor above an edge, what shows of one tread below it, and the floor below.
-std::vector<FoundStaircase> FindBelowAnEdge(double floor_below_m, double tread_width_m = 1.6) {
-  constexpr double kRise = 0.15, kRun = 0.28, kShows = 0.1;
+std::vector<FoundStaircase> FindBelowAnEdge(const BelowAnEdge& below = {}) {
+  constexpr double kRise = 0.15, kRun = 0.28;
   LabelScene scene;
   // Beside the flight the floor above goes on.
   KnownPiece floor;
   floor.outline = {{-1, -2, 0},     {kEdgeX + 1, -2, 0}, {kEdgeX + 1, -1, 0},
                    {kEdgeX, -1, 0}, {kEdgeX, 2, 0},      {-1, 2, 0}};
   scene.Add(floor);
-  scene.AddLevel(TerrainLabel::kStairTread, {kEdgeX + kRun - 0.5 * kShows, 0.2, -kRise}, kShows,
-                 tread_width_m);
-  scene.AddLevel(TerrainLabel::kWalkway, {6.0, 0, -floor_below_m}, 4, 1.6);
+  scene.AddLevel(TerrainLabel::kWalkway, {6.0, 0, -below.floor_below_m}, 4, 1.6);
+  for (const Interval& across : below.tread_across)
+    scene.AddLevel(TerrainLabel::kStairTread, {kEdgeX + kRun - 0.5 * below.shows_m, across.middle(), -kRise},
+                   below.shows_m, across.length());
   return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, FromAbove(), true);
 }
 
 TEST(StaircaseFinderTest, TellsAFlightDownByTheEdgeAboveItAndOneTread) {
-  const auto found = FindBelowAnEdge(0.45);
+  const auto found = FindBelowAnEdge();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 3);
   EXPECT_NEAR(found[0].model.rise_m, 0.15, 0.002);
@@ -305,12 +313,56 @@ TEST(StaircaseFinderTest, TellsAFlightDownByTheEdgeAboveItAndOneTread) {
   EXPECT_LT(found[0].run_sigma_m, 0.2 * 0.28);
   EXPECT_LT(found[0].model.UpAt(1.0).x(), -0.99);
   EXPECT_EQ(found[0].head_shape, 0);
-  EXPECT_EQ(found[0].foot_shape, 2);
+  EXPECT_EQ(found[0].foot_shape, 1);
+}
+
+TEST(StaircaseFinderTest, TellsAFlightDownByTheFirstStripOfATreadThatShows) {
+  const auto found = FindBelowAnEdge({0.45, {{-0.6, 1.0}}, 0.045});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 3);
+}
+
+TEST(StaircaseFinderTest, TakesTheFragmentsOfATreadForOneStepAsWideAsTheyReach) {
+  const auto found = FindBelowAnEdge({0.45, {{-0.6, -0.25}, {0.65, 1.0}}});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.lateral.length(), 1.6, 0.02);
 }
 
 TEST(StaircaseFinderTest, TellsNoFlightDownByALedgeAlone) {
-  EXPECT_TRUE(FindBelowAnEdge(0.375).empty()) << "the floor below lies at no whole number of steps";
-  EXPECT_TRUE(FindBelowAnEdge(0.45, 0.5).empty()) << "both sides of it are in view: a box";
+  EXPECT_TRUE(FindBelowAnEdge({0.375}).empty()) << "the floor below lies at no whole number of steps";
+  EXPECT_TRUE(FindBelowAnEdge({0.45, {{-0.05, 0.45}}}).empty()) << "both sides of it are in view: a box";
+}
+
+/// By two faces and, behind and above them, two steep strips, each a face with some of the treads beside it.
+/// @param aside_m  how far the strips lie behind the place of their faces
+std::vector<FoundStaircase> FindByFacesAndStrips(int num_strips, double aside_m) {
+  constexpr double kRise = 0.174, kRun = 0.288;
+  LabelScene scene;
+  for (int k = 0; k < 2 + num_strips; ++k) {
+    const double x = kEdgeX + k * kRun, z = (k + 0.5) * kRise;
+    const double half_x = k < 2 ? 0.0 : 0.07, half_z = k < 2 ? 0.5 * kRise : 0.085;
+    const double low_x = x - half_x + (k < 2 ? 0.0 : aside_m), high_x = low_x + 2.0 * half_x;
+    scene.Add({{{low_x, 0.5, z - half_z},
+                {low_x, -0.5, z - half_z},
+                {high_x, -0.5, z + half_z},
+                {high_x, 0.5, z + half_z}},
+               {},
+               TerrainLabel::kStairRiser});
+  }
+  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+  sight.T_level_left.translation() = Eigen::Vector3d(kEdgeX - 0.9, 0.0, 0.24);
+  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(scene.Update().changed), {}, sight, true);
+}
+
+TEST(StaircaseFinderTest, TellsAFlightSeenFromLowByFacesOfWhichTheFarOnesHaveMergedWithTheirTreads) {
+  const auto found = FindByFacesAndStrips(2, 0.0);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 4);
+  EXPECT_NEAR(found[0].model.rise_m, 0.174, 0.006);
+  EXPECT_NEAR(found[0].model.run_m, 0.288, 0.015);
+  for (const StepMember& member : found[0].members) EXPECT_EQ(member.only_evidence, member.step_index > 2);
+  EXPECT_TRUE(FindByFacesAndStrips(0, 0.0).empty());
+  EXPECT_TRUE(FindByFacesAndStrips(2, 0.3).empty()) << "strips that lie at no place of a face";
 }
 
 TEST(StaircaseFinderTest, CountsAFlightDownByItsFirstTreadsAndTheFloorBelow) {

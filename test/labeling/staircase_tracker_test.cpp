@@ -34,7 +34,7 @@ class StaircaseTrackerTest : public testing::Test {
     found.num_treads = found.num_risers - 1;
     found.rise_sigma_m = 0.003;
     found.run_sigma_m = 0.004;
-    found.confidence = 0.9;
+    found.confidence = 0.8;
     for (int k = first; k <= last; ++k) found.members.push_back({k - 1, true, k - first + 1});
     return found;
   }
@@ -56,6 +56,18 @@ TEST_F(StaircaseTrackerTest, TellsAStaircaseAfterSomeFramesInARow) {
   EXPECT_EQ(told().id, 1);
   EXPECT_EQ(told().num_risers, 6);
   EXPECT_NEAR((told().base_world() - Eigen::Vector3d(3, 0, 0)).norm(), 0.0, 1e-9);
+}
+
+TEST_F(StaircaseTrackerTest, TellsAStaircaseAfterTwoFramesThatLeaveLittleDoubt) {
+  FoundStaircase sure = Found(1, 6);
+  sure.confidence = 0.9;
+  See(sure);
+  EXPECT_TRUE(tracker_.confirmed().empty());
+  tracker_.Update({}, table_);  // the doubt is back
+  See(sure);
+  EXPECT_TRUE(tracker_.confirmed().empty());
+  See(sure);
+  EXPECT_EQ(tracker_.confirmed().size(), 1u);
 }
 
 TEST_F(StaircaseTrackerTest, DoesNotTellWhatIsFoundNowAndThen) {
