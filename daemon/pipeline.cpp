@@ -84,7 +84,8 @@ TrackedPose Pipeline::Track(const SensorFrame& sensors, const StereoFramePtr& fr
   const std::vector<std::string>& all = odometry_.warnings();
   std::vector<std::string> warnings(all.begin() + static_cast<std::ptrdiff_t>(num_warnings_), all.end());
   num_warnings_ = all.size();
-  return {pose, odometry_.gravity(), odometry_.sightings(), frame, std::move(warnings)};
+  return {pose,  odometry_.gravity(), odometry_.sightings(),
+          frame, std::move(warnings), odometry_.pair_was_never_right()};
 }
 
 FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity,
@@ -92,10 +93,8 @@ FrameResult Pipeline::Map(const std::shared_ptr<const DisparityImage>& disparity
   const std::lock_guard lock(mapper_mutex_);
   // The map of another world has no place in this one.
   const bool new_world = std::exchange(epoch_, tracked.pose.epoch) != tracked.pose.epoch;
-  // What was mapped with a calibration that has turned out to be wrong is wrong from the beginning.
-  constexpr ReasonCode kBad = ReasonCode::kBadCalibration;
-  const bool found_bad =
-      tracked.pose.reason_code == kBad && last_tracked_ && last_tracked_->reason_code != kBad;
+  // What was mapped with a pair that has turned out to be wrong is wrong from the beginning.
+  const bool found_bad = !std::exchange(mapped_wrongly_, tracked.mapped_wrongly) && tracked.mapped_wrongly;
   if (reset_requested_.exchange(false) || new_world || found_bad) mapper_.Reset();
   // A pose that is bridged or in doubt is a guess: it tells the robot where it is, but nothing is built on
   // it.

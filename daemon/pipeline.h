@@ -37,6 +37,7 @@ struct TrackedPose {
   FrameSightings sightings;
   StereoFramePtr frame;               ///< that was tracked in; null when the images could not be used
   std::vector<std::string> warnings;  ///< new with this frame, a sentence each
+  bool mapped_wrongly = false;        ///< so far, by what the odometry has found out about the pair
 };
 
 /// Which frames are mapped, and who waits for whom.
@@ -125,6 +126,7 @@ class Pipeline {
   FeedbackExchange<std::shared_ptr<const DisparityPrior>> disparity_priors_;  // only with stereo.use_prior
   std::optional<PoseEstimate> last_tracked_;                                  // of the thread that maps
   int epoch_ = 0;  // of the thread that maps, like what follows
+  bool mapped_wrongly_ = false;
   PairMonitor pair_monitor_;
   PairFindings pair_findings_{};
   std::atomic<bool> reset_requested_{false};

@@ -31,6 +31,8 @@ class ColumnMonitor {
   double offset_px() const { return offset_px_; }
   double sigma_px() const;
   bool is_off() const { return is_off_; }
+  /// Motion has shown once that they are where they should be.
+  bool was_right() const { return was_right_; }
   std::string Reason() const;
 
  private:
@@ -53,7 +55,7 @@ class ColumnMonitor {
   StereoCamera camera_;
   double offset_px_ = 0.0;
   double information_ = 1.0 / (kPriorSigma_px * kPriorSigma_px);
-  bool is_off_ = false;
+  bool is_off_ = false, was_right_ = false;
 };
 
 }  // namespace terrace

@@ -9,12 +9,6 @@
 #include "odometry/visual_odometry_impl.h"
 
 namespace terrace {
-namespace {
-
-constexpr const char* kNotOfOneMoment =
-    "the rows of the right image come and go: the two images are not of one moment, one camera is late";
-
-}  // namespace
 
 VisualOdometry::Impl::Impl(const OdometryConfig& config, const StereoCamera& camera, const Mounting& mounting)
     : config_(config),
@@ -29,7 +23,9 @@ VisualOdometry::Impl::Impl(const OdometryConfig& config, const StereoCamera& cam
       archive_(camera, config.archived_keyframes),
       gravity_(config, mounting),
       vertical_(config.max_vertical_disparity_px),
-      columns_(camera) {}
+      columns_(camera),
+      delay_(camera),
+      torn_(camera, grid_) {}
 
 PoseEstimate VisualOdometry::Impl::Track(const StereoFrame& frame, const SensorSamples& samples) {
   TERRACE_CHECK(frame.left.size() == cv::Size(camera_.width, camera_.height) &&
@@ -70,11 +66,14 @@ PoseEstimate VisualOdometry::Impl::Track(const StereoFrame& frame, const SensorS
   for (const auto& warning : {motion_.legs().TakeWarning(), gravity_.TakeWarning()})
     if (warning) warnings_.push_back(*warning);
   if (const auto warning = vertical_.Update(found->matches, found->solution)) warnings_.push_back(*warning);
-  WatchPair(*found, pose);
+  WatchPair(*found, pose, predicted.dt_s);
+  if (last_->status == TrackingStatus::kTracking)
+    torn_.See(window_, left, right, *found, last_->T_world_left);
   CountFates(*found, window_);
   NoteSightings(*found, window_, sightings_);
   const double age_s = Seconds(last_->t_capture - window_.keyframes.back().t_capture);
-  if (!in_doubt && keyframe_policy_.Wants(window_, left, *found, motion_.imu_in_use(), age_s)) {
+  if (!in_doubt && !torn_.torn() &&
+      keyframe_policy_.Wants(window_, left, *found, motion_.imu_in_use(), age_s)) {
     AddKeyframe(frame, left, right, pose.T_world_left, *found);
     RefineWindow(&pose);
   }
@@ -100,17 +99,6 @@ PoseEstimate VisualOdometry::Impl::Bridge(FrameId frame_id, Timestamp t_capture,
   Read(samples, t_capture);
   PoseEstimate pose = Bridged(frame_id, t_capture, Predict(t_capture), reason);
   pose.reason_code = ReasonCode::kUnreadableImages;
-  return pose;
-}
-
-PoseEstimate VisualOdometry::Impl::Published(PoseEstimate pose) const {
-  pose.epoch = epoch_;
-  if (pose.status == TrackingStatus::kTracking && pose.reason.empty() && PairInDoubt()) {
-    const bool late = row_changes_.come_and_go();
-    pose.reason = late ? kNotOfOneMoment : columns_.Reason();
-    pose.reason_code = late ? ReasonCode::kInputTrouble : ReasonCode::kBadCalibration;
-  }
-  pose.trusted = pose.status == TrackingStatus::kTracking && pose.reason.empty();
   return pose;
 }
 
@@ -153,14 +141,6 @@ PoseEstimate VisualOdometry::Impl::Tracked(const StereoFrame& frame, const PoseF
   return pose;
 }
 
-void VisualOdometry::Impl::WatchPair(const PoseFinder::Found& found, const PoseEstimate& pose) {
-  if (row_changes_.Update(window_, found.matches)) warnings_.push_back(kNotOfOneMoment);
-  // Columns that come and go are those of a camera that is late, too.
-  if (row_changes_.come_and_go()) return;
-  const auto warning = columns_.Update(window_, found.matches, pose.T_world_left, pose_finder_.noise_scale());
-  if (warning) warnings_.push_back(*warning);
-}
-
 void VisualOdometry::Impl::Remember(const PoseEstimate& pose) {
   last_ = pose;
   if (pose.status != TrackingStatus::kTracking) return;
@@ -183,6 +163,7 @@ PoseEstimate VisualOdometry::Bridge(FrameId frame_id, Timestamp t_capture, const
 const Gravity& VisualOdometry::gravity() const { return impl_->gravity(); }
 const FrameSightings& VisualOdometry::sightings() const { return impl_->sightings(); }
 const std::vector<std::string>& VisualOdometry::warnings() const { return impl_->warnings(); }
+bool VisualOdometry::pair_was_never_right() const { return impl_->pair_was_never_right(); }
 void VisualOdometry::Apply(const GravityHint& hint) { impl_->Apply(hint); }
 
 }  // namespace terrace

@@ -33,6 +33,9 @@ class VisualOdometry {
   /// What the user should be told, a sentence each, once.
   const std::vector<std::string>& warnings() const;
 
+  /// The pair has turned out to be off, and was never known to be right: what has been mapped is wrong.
+  bool pair_was_never_right() const;
+
   void Apply(const GravityHint& hint);
 
  private:

@@ -3,10 +3,12 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "odometry/bridging.h"
 #include "odometry/column_monitor.h"
+#include "odometry/delay_monitor.h"
 #include "odometry/image_pyramid.h"
 #include "odometry/imu_check.h"
 #include "odometry/imu_watch.h"
@@ -15,8 +17,8 @@
 #include "odometry/keyframe_policy.h"
 #include "odometry/motion_model.h"
 #include "odometry/pose_finder.h"
-#include "odometry/row_changes.h"
 #include "odometry/standing_images.h"
+#include "odometry/torn_images.h"
 #include "odometry/turn_comparison.h"
 #include "odometry/vertical_monitor.h"
 #include "odometry/visual_odometry.h"
@@ -39,8 +41,9 @@ class VisualOdometry::Impl {
   PoseEstimate Track(const StereoFrame& frame, const SensorSamples& samples);
   PoseEstimate Bridge(FrameId frame_id, Timestamp t_capture, const SensorSamples& samples,
                       const std::string& reason);
-  /// What is given out: with the epoch, and whether it may be mapped.
+  /// What is given out: with the epoch, what is not yet known of the pair, and whether it may be mapped.
   PoseEstimate Published(PoseEstimate pose) const;
+  bool pair_was_never_right() const { return columns_.is_off() || (delay_.is_off() && !delay_.was_right()); }
   /// Samples that can have been measured; tells the user once when some cannot.
   SensorSamples Believable(const SensorSamples& samples);
 
@@ -52,11 +55,18 @@ class VisualOdometry::Impl {
  private:
   // Frames that show where the camera is: visual_odometry.cpp.
   PoseEstimate Tracked(const StereoFrame& frame, const PoseFinder::Found& found);
-  /// What the landmarks' places in both images say of how the two cameras stand to each other.
-  void WatchPair(const PoseFinder::Found& found, const PoseEstimate& pose);
-  /// Then distances are wrong, and the pose is off by a share of the way.
-  bool PairInDoubt() const { return row_changes_.come_and_go() || columns_.is_off(); }
   void Remember(const PoseEstimate& pose);
+
+  // Whether the two cameras see what a pair sees: visual_odometry_pair.cpp.
+  /// What the landmarks' places in both images say of it.
+  void WatchPair(const PoseFinder::Found& found, const PoseEstimate& pose, double dt_s);
+  /// Then distances are wrong, and the pose is off by a share of the way.
+  bool PairInDoubt() const { return delay_.is_off() || torn_.torn() || columns_.is_off(); }
+  /// Why; and what kind of reason that is.
+  std::pair<std::string, ReasonCode> PairsTrouble() const;
+  /// As long as motion has not shown it: what the pose may be off by because a camera is late, or columns
+  /// are off.
+  Matrix6d NotYetKnown(const PoseEstimate& pose) const;
 
   // How a world begins: visual_odometry_start.cpp.
   /// @param biases  of the IMU, as far as they are known
@@ -146,7 +156,8 @@ class VisualOdometry::Impl {
   GravityKeeper gravity_;
   VerticalMonitor vertical_;
   ColumnMonitor columns_;
-  RowChanges row_changes_;
+  DelayMonitor delay_;
+  TornImages torn_;
   ImuCheck imu_check_;
   ImuWatch imu_watch_;
   TurnComparison turns_;
@@ -160,7 +171,10 @@ class VisualOdometry::Impl {
   /// By how much images and a sensor have excluded each other since the last tracked frame.
   Matrix6d contested_ = Matrix6d::Zero();
   Matrix6d own_covariance_ = Matrix6d::Zero();  ///< of the last tracked frame against its keyframe
-  bool frozen_ = false;                         ///< both cameras, since their images stand
+  Matrix6d squared_speed_ = Matrix6d::Zero();   ///< of the last tracked frames; left frame, per second
+  Eigen::Vector3d start_world_ = Eigen::Vector3d::Zero();  ///< where this world began
+  double typical_disparity_px_ = 1.0;                      ///< of the last tracked frame
+  bool frozen_ = false;                                    ///< both cameras, since their images stand
   int epoch_ = 0;
   int num_incredible_ = 0;      ///< readings that no sensor can have made
   int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's

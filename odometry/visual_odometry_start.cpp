@@ -21,6 +21,8 @@ PoseEstimate VisualOdometry::Impl::Start(const StereoFrame& frame, const ImagePy
   pose.t_capture = frame.t_capture;
   pose.status = TrackingStatus::kTracking;
   pose.T_world_left = world.T_world_left;
+  start_world_ = world.T_world_left.translation();
+  squared_speed_.setZero();
   window_.keyframes.back().gyro_bias = biases.gyro_bias;
   window_.keyframes.back().accel_bias = biases.accel_bias;
   StartWindow(Matrix6d::Zero());

@@ -2,6 +2,7 @@
 // What an odometry makes of two cameras that stand otherwise to each other than the calibration says, or do
 // not see the same moment.
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -93,6 +94,43 @@ TEST(PairDoubtTest, TellsACameraThatIsAFrameLate) {
   const int left = FirstDoubted([](int i) { return WithLateCamera(i, 0.0, 1.0); }, 30, "late");
   EXPECT_GE(left, 0);
   EXPECT_LE(left, 10);
+}
+
+/// Its lower half, or its upper quarter, is that of the frame before.
+StereoFrame Torn(int frame, bool lower) {
+  StereoFrame seen = World().Frame(frame, Walk(frame));
+  const StereoFrame before = World().Frame(frame, Walk(frame - 1));
+  const int height = seen.left.rows;
+  const cv::Range rows = lower ? cv::Range(height / 2, height) : cv::Range(0, height / 4);
+  before.left.rowRange(rows).copyTo(seen.left.rowRange(rows));
+  before.right.rowRange(rows).copyTo(seen.right.rowRange(rows));
+  return seen;
+}
+
+TEST(PairDoubtTest, TellsImagesThatAreTorn) {
+  for (const bool lower : {true, false}) {
+    VisualOdometry odometry({}, kCamera, {});
+    int num_told = 0;
+    for (int i = 0; i < 30; ++i) {
+      const PoseEstimate pose = odometry.Track(i < 15 ? World().Frame(i, Walk(i)) : Torn(i, lower), {});
+      const bool told = pose.reason.find("torn") != std::string::npos;
+      EXPECT_FALSE(i < 15 && told) << i;
+      num_told += told;
+    }
+    EXPECT_GT(num_told, 0) << (lower ? "below" : "above");
+  }
+}
+
+TEST(PairDoubtTest, IsLessSureBeforeMotionHasShownThatThePairIsRight) {
+  // A camera that is a frame late is off by as much as the robot moves in a frame.
+  VisualOdometry odometry({}, kCamera, {});
+  for (int i = 0; i < 3; ++i) {
+    const PoseEstimate pose = odometry.Track(WithLateCamera(i, 0.0, 1.0), {});
+    ASSERT_TRUE(pose.trusted) << "nothing can be known of it yet";
+    if (i == 0) continue;
+    const double frame_m = (Walk(i).translation() - Walk(i - 1).translation()).norm();
+    EXPECT_GT(std::sqrt(pose.covariance.bottomRightCorner<3, 3>().trace()), 0.5 * frame_m) << i;
+  }
 }
 
 TEST(PairDoubtTest, BelievesTheTwoAgainOnceTheyAreOfOneMoment) {
