@@ -6,6 +6,7 @@
 
 Prints a line a walk and at the end, for each scene and for all together, how many walks there were, frames lost and
 bridged, the largest error between two frames [mm], mean relative error [%] and NEES (6: the covariance is right).
+With `--camera "{width: 1280, height: 720, fx: 750}"`, a `camera` section of a scene, through another one than the scene's.
 Seeds are the outer loop, so that --minutes cuts all scenes alike. Walks that lie in --keep already are not rendered
 again. The exit code is 1 when a frame was lost or a step between two frames is more than 20 mm wrong.
 """
@@ -35,6 +36,18 @@ def scenes_of(path):
             if match and match.group(1) != "sheets":
                 scenes.append(match.group(1))
     return scenes
+
+
+def with_camera(scene, camera, folder):
+    """Writes the scene with that camera into the folder; returns the file."""
+    with open(os.path.join(ROOT, "datasets/scenes", scene + ".yaml")) as file:
+        text = file.read()
+    if re.search(r"^camera:", text, re.MULTILINE):
+        sys.exit(f"scene {scene} has a camera of its own")
+    path = os.path.join(folder, scene + ".yaml")
+    with open(path, "w") as file:
+        file.write(f"{text}\ncamera: {camera}\n")
+    return path
 
 
 def render(options, scene, motion, seed, folder):
@@ -80,6 +93,7 @@ def main():
     parser.add_argument("--first-seed", type=int, default=1)
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--rate", type=float, default=10.0, help="stereo frames a second")
+    parser.add_argument("--camera", help="instead of the scene's: its section, as YAML in one line")
     parser.add_argument("--motions", default="walk", help="by commas: each seed takes the next one")
     parser.add_argument("--threads", type=int, default=1, help="that render")
     parser.add_argument("--minutes", type=float, default=1e9, help="no new walk is rendered after this")
@@ -95,11 +109,14 @@ def main():
             motion = motions[(seed - 1) % len(motions)]
             for scene in scenes_of(options.list):
                 name = f"{scene}_{motion}_{seed}_{options.frames}_{options.rate:g}"
+                if options.camera:
+                    name += "_" + re.sub(r"[^a-z0-9.]+", "_", options.camera).strip("_")
                 folder = os.path.join(options.keep or temporary, name)
                 if not os.path.exists(os.path.join(folder, "ground_truth.json")):
                     if time.monotonic() - begin > 60.0 * options.minutes:
                         continue
-                    render(options, scene, motion, seed, folder)
+                    place = with_camera(scene, options.camera, temporary) if options.camera else scene
+                    render(options, place, motion, seed, folder)
                 figures = run(options, folder)
                 walks.setdefault(scene, []).append(figures)
                 summary(name, [figures])
