@@ -17,8 +17,8 @@ namespace terrace {
 /// three times its rms, at least 3 cm.
 bool IsOnARegion(const Eigen::Vector3d& p_world, double distance_m, const TerrainQuery& query);
 
-/// What takes up space in a box beside the regions of a map: the occupied leaves of the daemon's octree, as it
-/// answers a request for them (octree_v1_t), without those that a region passes through. Where there is no
+/// What takes up space in a box beside the regions of a map: the occupied leaves of the daemon's octree, as
+/// it answers a request for them (octree_v1_t), without those that a region passes through. Where there is no
 /// leaf, the octree says nothing: it keeps what there is, not what there is not.
 class OccupiedSpace {
  public:

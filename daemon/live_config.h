@@ -11,8 +11,8 @@ struct LiveConfig {
   /// LCM provider; the environment variable LCM_DEFAULT_URL stands in for a key that is not given. A receive
   /// buffer of 2 MB keeps images whole; net.core.rmem_max must allow it (config/60-terrace-lcm.conf).
   std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
-  /// Calibration of the rig, as files of any tool or device that `terrace calibration` reads, several of them
-  /// with commas between, or a folder that holds mav0/. Empty: it comes as a message.
+  /// Calibration of the rig, as files of any tool or device that `terrace calibration` reads, several of them with
+  /// commas between, or a folder that holds mav0/. Empty: it comes as a message.
   std::string calibration = "";
   /// How long a pair of images waits for IMU samples up to its own time, which often arrive a little later.
   double imu_wait_ms = 100.0;
