@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "client/occupied_space.h"
+
 namespace terrace {
 namespace {
 
@@ -115,9 +117,18 @@ bool LiesOverSeenGround(const TerrainQuery& query, const Capsule& capsule) {
   return true;
 }
 
+/// The whole capsule lies in the box that the octree was asked about.
+bool HasBeenAsked(const OccupiedSpace& space, const Capsule& capsule) {
+  const Eigen::Vector3d around = Eigen::Vector3d::Constant(capsule.radius_m);
+  Eigen::AlignedBox3d box(capsule.a);
+  box.extend(capsule.b);
+  return space.box_world().contains(Eigen::AlignedBox3d(box.min() - around, box.max() + around));
+}
+
 }  // namespace
 
-Clearance ClearanceOf(const TerrainQuery& query, const Capsule& capsule, LabelSet labels) {
+Clearance ClearanceOf(const TerrainQuery& query, const Capsule& capsule, LabelSet labels,
+                      const OccupiedSpace* space) {
   Eigen::AlignedBox3d axis(capsule.a);
   axis.extend(capsule.b);
   Clearance clearance;
@@ -149,9 +160,14 @@ Clearance ClearanceOf(const TerrainQuery& query, const Capsule& capsule, LabelSe
         if (labels.Has(entry.region->label)) look_at(entry);
         return kInfinity;  // `best` bounds the search
       });
+  if (const auto leaf = space ? space->NearestTo(capsule.a, capsule.b, best) : std::nullopt) {
+    clearance.distance_m = leaf->distance_m - capsule.radius_m;
+    clearance.region_id = 0;
+    clearance.gradient_world = leaf->away_world;
+  }
   if (clearance.distance_m <= 0.0) {
     clearance.occupancy = Occupancy::kOccupied;
-  } else if (!from_behind && LiesOverSeenGround(query, capsule)) {
+  } else if (space && HasBeenAsked(*space, capsule) && !from_behind && LiesOverSeenGround(query, capsule)) {
     clearance.occupancy = Occupancy::kFree;
   }
   return clearance;

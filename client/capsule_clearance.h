@@ -16,6 +16,7 @@ struct Capsule {
 };
 
 /// TerrainQuery::CapsuleClearance().
-Clearance ClearanceOf(const TerrainQuery& query, const Capsule& capsule, LabelSet labels);
+Clearance ClearanceOf(const TerrainQuery& query, const Capsule& capsule, LabelSet labels,
+                      const OccupiedSpace* space);
 
 }  // namespace terrace

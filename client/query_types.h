@@ -85,19 +85,21 @@ struct HeightCell {
 
 /// What is known of the space that a capsule takes up.
 enum class Occupancy {
-  kFree,  ///< it touches no face, and lies over ground that was seen; what hangs there unseen is not known
-  kOccupied,  ///< it touches a face
-  kUnknown,   ///< behind a face, or over what nobody has seen
+  /// It touches neither face nor leaf of the octree, and lies over ground that was seen. Only what the octree
+  /// was asked about can be free; what hangs there and was never in view is not known to it either.
+  kFree,
+  kOccupied,  ///< it touches a face, or a leaf of the octree that lies on none
+  kUnknown,   ///< nobody has asked the octree, or it lies behind a face, or over what nobody has seen
 };
 
 /// How far a capsule is from all that is known.
 struct Clearance {
-  /// From the capsule's surface to the nearest face; negative: by how much it must be moved to be clear of
-  /// that face; infinite: there is none.
+  /// From the capsule's surface to the nearest face or leaf; negative: by how much it must be moved to be
+  /// clear of that; infinite: there is none.
   double distance_m = std::numeric_limits<double>::infinity();
-  /// Unit, world: the way in which a move takes the capsule away from that face; zero: there is none.
+  /// Unit, world: the way in which a move takes the capsule away from that; zero: there is none.
   Eigen::Vector3d gradient_world = Eigen::Vector3d::Zero();
-  std::int64_t region_id = 0;  ///< of the nearest face; 0: there is none
+  std::int64_t region_id = 0;  ///< of the nearest face; 0: a leaf is nearer, or there is none
   Occupancy occupancy = Occupancy::kUnknown;
 };
 

@@ -17,7 +17,8 @@ namespace terrace {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'T', 'E', 'R', 'R', 'A', 'C', 'E', '\0'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kWithoutViews = 1;
+constexpr std::uint32_t kWithViews = 2;
 // Magic, version with four bytes of room, size, checksum.
 constexpr std::size_t kChecksumAt = 24;
 constexpr std::size_t kHeaderBytes = 32;
@@ -27,6 +28,8 @@ constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 // Least bytes that an item takes, so that counts are checked before anything is allocated.
 constexpr std::size_t kMinRegionBytes = 200;
 constexpr std::size_t kMinStaircaseBytes = 200;
+constexpr std::size_t kMinViewBytes = 140;
+constexpr std::size_t kCornerBytes = 3 * sizeof(double) + sizeof(Descriptor);
 constexpr std::size_t kVertexBytes = 3 * sizeof(double);
 constexpr std::size_t kEdgeBytes = 1 + 2 * sizeof(double);
 
@@ -99,6 +102,16 @@ void PutStaircase(ByteWriter* out, const Staircase& staircase) {
   for (const std::int64_t id : staircase.region_ids) out->Put(id);
 }
 
+void PutView(ByteWriter* out, const PlaceView& view) {
+  out->Put(view.t_capture.ns);
+  PutPose(out, view.T_world_left);
+  out->Put(static_cast<std::uint32_t>(view.corners.size()));
+  for (const PlaceCorner& corner : view.corners) {
+    PutVector(out, corner.p_left);
+    for (const std::uint64_t word : corner.descriptor) out->Put(word);
+  }
+}
+
 /// Reads members and holds them to what the structs promise.
 class MapReader {
  public:
@@ -126,6 +139,21 @@ class MapReader {
       RequireAscending(map.regions, [](const auto& region) { return region->id; });
     }
     return map;
+  }
+
+  PlaceView View() {
+    PlaceView view;
+    view.t_capture.ns = in_->Take<std::int64_t>();
+    view.T_world_left = Pose();
+    const auto& R = view.T_world_left.linear();
+    constexpr double kRounding = 1e-6;
+    if (!(R.transpose() * R).isIdentity(kRounding)) in_->Fail("must be a pose without scale or shear");
+    for (std::size_t left = in_->TakeCount(kCornerBytes); left > 0; --left) {
+      PlaceCorner& corner = view.corners.emplace_back();
+      corner.p_left = Vector();
+      for (std::uint64_t& word : corner.descriptor) word = in_->Take<std::uint64_t>();
+    }
+    return view;
   }
 
  private:
@@ -244,21 +272,24 @@ class MapReader {
   ByteReader* const in_;
 };
 
-void RequireHeader(ByteReader* in, std::span<const std::uint8_t> bytes) {
+/// The version.
+std::uint32_t TakeHeader(ByteReader* in, std::span<const std::uint8_t> bytes) {
   std::array<char, 8> magic{};
   for (char& c : magic) c = in->Take<char>();
   if (magic != kMagic) in->Fail("this is no .terrace file");
   const auto version = in->Take<std::uint32_t>();
-  if (version != kVersion) in->Fail("is of version " + std::to_string(version) + ", only 1 is known");
+  if (version != kWithoutViews && version != kWithViews)
+    in->Fail("is of version " + std::to_string(version) + ", only 1 and 2 are known");
   if (in->Take<std::uint32_t>() != 0) in->Fail("must be zero");
   const auto size = in->Take<std::uint64_t>();
   if (size != bytes.size() || size % 8 != 0)
     in->Fail("the file has " + std::to_string(bytes.size()) + " bytes, must have " + std::to_string(size));
   if (in->Take<std::uint64_t>() != Checksum(bytes)) in->Fail("the checksum differs: the file is damaged");
+  return version;
 }
 
 /// Enough room for the bytes of a map but for long reasons.
-std::size_t RoomFor(const TerrainMap& map) {
+std::size_t RoomFor(const TerrainMap& map, const std::vector<PlaceView>& views) {
   constexpr std::size_t kHeadBytes = 1024, kRegionBytes = 512, kStaircaseBytes = 512;
   std::size_t num_bytes = kHeadBytes;
   for (const auto& region : map.regions) {
@@ -268,16 +299,17 @@ std::size_t RoomFor(const TerrainMap& map) {
   }
   for (const Staircase& staircase : map.staircases)
     num_bytes += kStaircaseBytes + sizeof(std::int64_t) * staircase.region_ids.size();
+  for (const PlaceView& view : views) num_bytes += kMinViewBytes + kCornerBytes * view.corners.size();
   return num_bytes;
 }
 
 }  // namespace
 
-std::vector<std::uint8_t> TerraceFileBytes(const TerrainMap& map) {
+std::vector<std::uint8_t> TerraceFileBytes(const TerrainMap& map, const std::vector<PlaceView>& views) {
   ByteWriter out;
-  out.Reserve(RoomFor(map));
+  out.Reserve(RoomFor(map, views));
   for (const char c : kMagic) out.Put(c);
-  out.Put(kVersion);
+  out.Put(views.empty() ? kWithoutViews : kWithViews);
   out.Put(std::uint32_t{0});
   out.Put(std::uint64_t{0});  // size and checksum, when they are known
   out.Put(std::uint64_t{0});
@@ -296,6 +328,10 @@ std::vector<std::uint8_t> TerraceFileBytes(const TerrainMap& map) {
   for (const Staircase& staircase : map.staircases) PutStaircase(&out, staircase);
   out.Put(static_cast<std::uint32_t>(map.regions.size()));
   for (const auto& region : map.regions) PutRegion(&out, *region);
+  if (!views.empty()) {
+    out.Put(static_cast<std::uint32_t>(views.size()));
+    for (const PlaceView& view : views) PutView(&out, view);
+  }
   out.PadToWords();
   const std::uint64_t size = out.bytes().size();
   std::memcpy(out.bytes().data() + kChecksumAt - sizeof(size), &size, sizeof(size));
@@ -304,21 +340,27 @@ std::vector<std::uint8_t> TerraceFileBytes(const TerrainMap& map) {
   return std::move(out.bytes());
 }
 
-TerrainMap MapFromTerraceFile(std::span<const std::uint8_t> bytes, const std::string& name) {
+SavedMap FromTerraceFile(std::span<const std::uint8_t> bytes, const std::string& name) {
   ByteReader in(bytes, name);
   if (bytes.size() < kHeaderBytes) in.Fail("too short for a .terrace file");
-  RequireHeader(&in, bytes);
-  TerrainMap map = MapReader(&in).Map();
-  if (in.left() >= 8) in.Fail("there is more behind the last region");
-  return map;
+  const std::uint32_t version = TakeHeader(&in, bytes);
+  MapReader reader(&in);
+  SavedMap saved;
+  saved.map = std::make_shared<const TerrainMap>(reader.Map());
+  if (version == kWithViews)
+    for (std::size_t left = in.TakeCount(kMinViewBytes); left > 0; --left)
+      saved.views.push_back(reader.View());
+  if (in.left() >= 8) in.Fail("there is more behind the last item");
+  return saved;
 }
 
-void SaveTerraceFile(const std::filesystem::path& path, const TerrainMap& map) {
+void SaveTerraceFile(const std::filesystem::path& path, const TerrainMap& map,
+                     const std::vector<PlaceView>& views) {
   // Under another name until it is whole, so that no half file is ever there.
   const std::filesystem::path partial = path.string() + ".partial";
   std::error_code error;
   try {
-    WriteFileBytes(partial, TerraceFileBytes(map));
+    WriteFileBytes(partial, TerraceFileBytes(map, views));
   } catch (const FileError&) {
     std::filesystem::remove(partial, error);
     throw;
@@ -330,9 +372,8 @@ void SaveTerraceFile(const std::filesystem::path& path, const TerrainMap& map) {
   throw FileError(path.string() + ": cannot be written: " + why);
 }
 
-TerrainMapPtr LoadTerraceFile(const std::filesystem::path& path) {
-  return std::make_shared<const TerrainMap>(
-      MapFromTerraceFile(ReadFileBytes(path, kMaxFileBytes), path.string()));
+SavedMap LoadTerraceFile(const std::filesystem::path& path) {
+  return FromTerraceFile(ReadFileBytes(path, kMaxFileBytes), path.string());
 }
 
 }  // namespace terrace

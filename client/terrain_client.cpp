@@ -49,7 +49,7 @@ TerrainClient::~TerrainClient() {
   for (lcm::Subscription* subscription : subscriptions_) lcm_->unsubscribe(subscription);
 }
 
-TerrainMapPtr TerrainClient::LoadMap(const std::filesystem::path& file) { return LoadTerraceFile(file); }
+TerrainMapPtr TerrainClient::LoadMap(const std::filesystem::path& file) { return LoadTerraceFile(file).map; }
 
 TerrainMapPtr TerrainClient::FromLog(const std::filesystem::path& log, Timestamp t,
                                      const ChannelConfig& channels) {

@@ -170,8 +170,8 @@ std::vector<std::int64_t> TerrainQuery::RegionsIn(const Eigen::AlignedBox3d& box
 }
 
 Clearance TerrainQuery::CapsuleClearance(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world,
-                                         double radius_m, LabelSet labels) const {
-  return ClearanceOf(*this, {a_world, b_world, radius_m}, labels);
+                                         double radius_m, LabelSet labels, const OccupiedSpace* space) const {
+  return ClearanceOf(*this, {a_world, b_world, radius_m}, labels, space);
 }
 
 HeightGrid TerrainQuery::Heights(const HeightGridSpec& spec) const { return RasterHeights(*this, spec); }

@@ -15,6 +15,8 @@
 
 namespace terrace {
 
+class OccupiedSpace;
+
 /// Where a foot may be set.
 struct Foothold {
   Support support;
@@ -50,9 +52,11 @@ class TerrainQuery {
                                       LabelSet labels = kAllLabels) const;
 
   /// How far all points within `radius_m` of the segment from a to b (a leg, a body) are from the faces of
-  /// regions with one of the labels.
+  /// regions with one of the labels, and from what else takes up space.
+  /// @param space  what the octree says around there (occupied_space.h), of this map; null: nobody has asked
+  /// it, and nothing is called free
   Clearance CapsuleClearance(const Eigen::Vector3d& a_world, const Eigen::Vector3d& b_world, double radius_m,
-                             LabelSet labels = kAllLabels) const;
+                             LabelSet labels = kAllLabels, const OccupiedSpace* space = nullptr) const;
 
   /// The highest ground in every cell, as SupportAt has it at the cell's middle.
   HeightGrid Heights(const HeightGridSpec& spec) const;

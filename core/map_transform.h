@@ -16,9 +16,11 @@ enum class MapPlacing : std::int8_t {
   kNotFound = 0,   ///< it is not: the loaded map stands by itself, in its own frame
   kGiven = 1,      ///< as somebody said; what is seen has not confirmed it
   kConfirmed = 2,  ///< what is seen has confirmed it, and says how exactly
+  /// By the views that were saved with it; its surfaces have not confirmed it.
+  kRecognised = 3,
 };
-inline constexpr int kNumMapPlacings = 3;
-const char* Name(MapPlacing placing);  ///< "not_found", "given", "confirmed"
+inline constexpr int kNumMapPlacings = 4;
+const char* Name(MapPlacing placing);  ///< "not_found", "given", "confirmed", "recognised"
 
 /// Where a map that was loaded lies in the world of the poses.
 struct MapTransform {

@@ -86,7 +86,8 @@ const char* Name(DaemonState state) {
 }
 
 const char* Name(MapPlacing placing) {
-  return NameIn(std::array<const char*, kNumMapPlacings>{"not_found", "given", "confirmed"}, placing);
+  return NameIn(std::array<const char*, kNumMapPlacings>{"not_found", "given", "confirmed", "recognised"},
+                placing);
 }
 
 const char* Name(TerrainLabel label) { return NameIn(kLabelNames, label); }

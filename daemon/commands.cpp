@@ -112,13 +112,17 @@ command_reply_v1_t CommandObeyer::LoadMap(const std::string& argument) const {
         "in degrees, or nothing; not '" +
         where.substr(1) + "'");
   try {
-    TerrainMapPtr map = LoadTerraceFile(save_folder_ / name);
-    const std::size_t num_regions = map->regions.size();
-    if (!actions_.load_map(std::move(map), name, body)) return Refused("no camera is known yet: ask again");
+    SavedMap saved = LoadTerraceFile(save_folder_ / name);
+    const std::size_t num_regions = saved.map->regions.size();
+    const std::size_t num_views = saved.views.size();
+    if (!actions_.load_map(std::move(saved), name, body)) return Refused("no camera is known yet: ask again");
     spdlog::info("{} is loaded, as commanded", name);
-    return Ok(name + " is loaded, with " + std::to_string(num_regions) +
-              (body ? " regions; it is put into the world with the next pose"
-                    : " regions; it stands by itself until somebody says where the robot is in it"));
+    std::string next = "it is put into the world with the next pose";
+    if (!body)
+      next = num_views > 0 ? "it stands by itself until the robot is recognised in one of its " +
+                                 std::to_string(num_views) + " views, or somebody says where it is"
+                           : "it stands by itself until somebody says where the robot is in it";
+    return Ok(name + " is loaded, with " + std::to_string(num_regions) + " regions; " + next);
   } catch (const FileError& error) {
     return Refused(error.what());
   }
@@ -128,12 +132,12 @@ command_reply_v1_t CommandObeyer::SaveMap(const std::string& name) const {
   if (save_folder_.empty()) return Refused("set lcm.save_folder, the folder to save maps into");
   const std::string problem = ProblemOfName(save_folder_, name);
   if (!problem.empty()) return Refused(problem);
-  const TerrainMapPtr map = actions_.map();
-  if (!map) return Refused("there is no map yet");
+  const SavedMap saved = actions_.map();
+  if (!saved.map) return Refused("there is no map yet");
   const fs::path file = save_folder_ / name;
   if (file.extension() == ".terrace") {
     try {
-      SaveTerraceFile(file, *map);
+      SaveTerraceFile(file, *saved.map, saved.views);
       return Ok(file.string());
     } catch (const FileError& error) {
       return Failed(error.what());
@@ -144,7 +148,7 @@ command_reply_v1_t CommandObeyer::SaveMap(const std::string& name) const {
   std::error_code error;
   {
     std::ofstream out(partial, std::ios::binary | std::ios::trunc);
-    out << TerrainMapJson(*map);
+    out << TerrainMapJson(*saved.map);
     out.close();
     if (out) fs::rename(partial, file, error);
     if (out && !error) return Ok(file.string());

@@ -10,8 +10,8 @@
 #include <terrace/command_reply_v1_t.hpp>
 #include <terrace/command_v1_t.hpp>
 
+#include "client/terrace_file.h"
 #include "core/explanation.h"
-#include "core/terrain_map.h"
 #include "daemon/map_placing.h"
 
 namespace terrace {
@@ -21,11 +21,10 @@ struct CommandActions {
   std::function<void()> reset_map;
   std::function<void(bool paused)> pause_map;
   std::function<bool()> send_snapshot;                   ///< false: there is no map yet
-  std::function<TerrainMapPtr()> map;                    ///< null: there is none yet
+  std::function<SavedMap()> map;                         ///< without a map: there is none yet
   std::function<Explanations(std::int64_t id)> explain;  ///< of region and staircase with this id
   /// A map from a file, and where the body is in it; false: no camera is known yet.
-  std::function<bool(TerrainMapPtr map, const std::string& file, const std::optional<BodyInMap>& body)>
-      load_map;
+  std::function<bool(SavedMap map, const std::string& file, const std::optional<BodyInMap>& body)> load_map;
 };
 
 /// Obeys the commands that arrive on the bus, where anyone can send anything.

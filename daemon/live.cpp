@@ -140,7 +140,7 @@ class LiveNode {
     }
     mapper_->run.pipeline().PauseMap(paused_);
     if (first_map_)
-      mapper_->run.loaded_map().Load(std::exchange(first_map_, nullptr), config_.live.load_map,
+      mapper_->run.loaded_map().Load(std::exchange(first_map_, std::nullopt).value(), config_.live.load_map,
                                      BodyInMapFrom(config_.live.map_pose));
     spdlog::info("calibration: {}", input_->calibration()->name);
   }
@@ -278,10 +278,10 @@ class LiveNode {
               if (mapper_) mapper_->run.pipeline().PauseMap(paused);
             },
             [this] { return mapper_ && mapper_->publisher.SendSnapshot(); },
-            [this] { return mapper_ ? mapper_->run.map() : nullptr; },
+            [this] { return mapper_ ? mapper_->run.saved_map() : SavedMap{}; },
             [this](std::int64_t id) { return mapper_ ? mapper_->run.Explain(id) : Explanations{}; },
-            [this](TerrainMapPtr map, const std::string& file, const std::optional<BodyInMap>& body) {
-              if (mapper_) mapper_->run.loaded_map().Load(std::move(map), file, body);
+            [this](SavedMap saved, const std::string& file, const std::optional<BodyInMap>& body) {
+              if (mapper_) mapper_->run.loaded_map().Load(std::move(saved), file, body);
               return mapper_ != nullptr;
             }};
   }
@@ -305,7 +305,7 @@ class LiveNode {
   StateLog state_log_;
   std::optional<LiveInput> input_;
   std::unique_ptr<LiveMapper> mapper_;
-  TerrainMapPtr first_map_;  // to begin with, until there is a mapper
+  std::optional<SavedMap> first_map_;  // to begin with, until there is a mapper
   bool paused_ = false;
   bool calibration_missing_said_ = false;
   std::optional<Clock::time_point> other_heard_;

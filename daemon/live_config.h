@@ -30,8 +30,9 @@ struct LiveConfig {
   std::string save_folder = "";
   /// A map to begin with, a file that SAVE_MAP wrote (NAME.terrace); empty: none.
   std::string load_map = "";
-  /// Where the body is in that map with the first pose, as "x y z yaw" in metres and degrees. Empty: not
-  /// known, and the loaded map stands by itself on `channels.loaded_map`.
+  /// Where the body is in that map with the first pose, as "x y z yaw" in metres and degrees. Empty: it is
+  /// looked for by the views in the file, and until it is found the loaded map stands by itself on
+  /// `channels.loaded_map`.
   std::string map_pose = "";
 
   /// One sentence per problem; empty when the settings can be used.

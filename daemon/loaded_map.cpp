@@ -20,6 +20,15 @@ bool IsDecided(const TerrainRegion& region) {
   return !region.predicted() && region.label != TerrainLabel::kUnknown;
 }
 
+constexpr const char* kNobodySays = "nobody has said where the robot is in it";
+constexpr const char* kLost = "tracking was lost and another world has begun: say again where the robot is";
+
+/// What to add to a sentence.
+std::string WhyNotRecognised(const PlaceFinder& finder) {
+  if (finder.views().empty()) return ", and it was saved without views to recognise it by";
+  return ", and " + finder.reason();
+}
+
 bool SaysSomething(const MapDifference& d) {
   return !d.added.empty() || !d.revised.empty() || !d.removed.empty() || !d.changed_staircases.empty() ||
          !d.removed_staircases.empty();
@@ -27,17 +36,17 @@ bool SaysSomething(const MapDifference& d) {
 
 }  // namespace
 
-LoadedMap::LoadedMap(const std::optional<Eigen::Isometry3d>& T_body_left)
-    : T_body_left_(T_body_left.value_or(LevelBody())) {}
+LoadedMap::LoadedMap(const StereoCamera& camera, const std::optional<Eigen::Isometry3d>& T_body_left)
+    : T_body_left_(T_body_left.value_or(LevelBody())), finder_(camera) {}
 
-void LoadedMap::Load(TerrainMapPtr map, std::string file, const std::optional<BodyInMap>& body) {
+void LoadedMap::Load(SavedMap saved, std::string file, const std::optional<BodyInMap>& body) {
   const std::lock_guard lock(mutex_);
-  if (in_world_) ++more_map_ids_;
-  in_world_.reset();
-  loaded_ = std::move(map);
+  TakeOutOfTheWorld();
+  loaded_ = std::move(saved.map);
+  finder_.Seek(std::move(saved.views));
   file_ = std::move(file);
   body_ = body;
-  reason_ = body ? "no pose to put it by has come yet" : "nobody has said where the robot is in it";
+  reason_ = body ? "no pose to put it by has come yet" : kNobodySays + WhyNotRecognised(finder_);
 }
 
 std::optional<MapTransform> LoadedMap::transform() const {
@@ -49,7 +58,9 @@ std::optional<MapTransform> LoadedMap::transform() const {
   transform.reason = reason_;
   if (!in_world_) return transform;
   transform.map_id = joint_->map_id;
-  transform.placing = confirmed_ ? MapPlacing::kConfirmed : MapPlacing::kGiven;
+  transform.placing = confirmed_    ? MapPlacing::kConfirmed
+                      : recognised_ ? MapPlacing::kRecognised
+                                    : MapPlacing::kGiven;
   transform.T_map_world = in_world_->place.T_map_world;
   transform.covariance = in_world_->place.covariance;
   return transform;
@@ -85,13 +96,26 @@ Explanations LoadedMap::InJointIds(Explanations own) const {
   return own;
 }
 
-MapChange LoadedMap::Join(const MapChange& own, const PoseEstimate& pose) {
+std::vector<PlaceView> LoadedMap::ViewsInWorld() const {
+  const std::lock_guard lock(mutex_);
+  if (!in_world_) return {};
+  std::vector<PlaceView> views = finder_.views();
+  const Eigen::Isometry3d T_world_map = in_world_->place.T_map_world.inverse();
+  for (PlaceView& view : views) view.T_world_left = T_world_map * view.T_world_left;
+  return views;
+}
+
+MapChange LoadedMap::Join(const MapChange& own, const PoseEstimate& pose, const StereoFrame* frame) {
   const std::lock_guard lock(mutex_);
   t_ = pose.t_capture;
   FollowTheWorld(*own.map);
-  const bool put = loaded_ && body_ && pose.trusted;
-  if (put) {
-    PutIntoWorld(*own.map, pose);
+  if (loaded_ && body_ && pose.trusted) {
+    const Eigen::Isometry3d T_world_body = pose.T_world_left * T_body_left_.inverse();
+    recognised_ = false;
+    PutIntoWorld(PlaceOf(*body_, T_world_body, own.map->gravity, loaded_->gravity), *own.map, pose,
+                 "put where somebody said");
+  } else if (loaded_ && !in_world_ && pose.trusted && frame) {
+    LookForThePlace(*own.map, pose, *frame);
   } else if (in_world_ && own.map != own_) {
     TakeAwayWhatIsSeen(*own.map, own.before == own_ ? &own : nullptr);
     if (pose.trusted) CompareWithWhatIsSeen(*own.map, pose);
@@ -123,21 +147,41 @@ void LoadedMap::FollowTheWorld(const TerrainMap& own) {
   in_world_.reset();
   if (own.epoch == own_->epoch) {
     loaded_.reset();
+    finder_.Seek({});
     body_.reset();
   } else {
-    reason_ = "tracking was lost and another world has begun: say again where the robot is";
+    finder_.Seek(finder_.views());
+    reason_ = kLost + WhyNotRecognised(finder_);
     if (loaded_) spdlog::warn("{}: {}", file_, reason_);
   }
 }
 
-void LoadedMap::PutIntoWorld(const TerrainMap& own, const PoseEstimate& pose) {
-  prior_ = PlaceOf(*body_, pose.T_world_left * T_body_left_.inverse(), own.gravity, loaded_->gravity);
+void LoadedMap::LookForThePlace(const TerrainMap& own, const PoseEstimate& pose, const StereoFrame& frame) {
+  if (finder_.views().empty()) return;
+  const auto camera = finder_.Look(frame, pose, own.gravity, loaded_->gravity);
+  if (!camera) {
+    reason_ = kNobodySays + WhyNotRecognised(finder_);
+    return;
+  }
+  recognised_ = true;
+  PutIntoWorld(PlaceOf(*camera, pose.T_world_left), own, pose,
+               Printed("recognised by %d corners of its views", camera->num_corners));
+}
+
+void LoadedMap::PutIntoWorld(const MapPlace& place, const TerrainMap& own, const PoseEstimate& pose,
+                             const std::string& how) {
+  prior_ = place;
   body_.reset();
   confirmed_ = false;
   num_frames_ = 0;
-  reason_ = "put where somebody said; what is seen has not confirmed it yet";
+  reason_ = how + "; what is seen has not confirmed it yet";
   PutAt(prior_, own, pose.t_capture);
   spdlog::info("{}: {}", file_, reason_);
+}
+
+void LoadedMap::TakeOutOfTheWorld() {
+  if (in_world_) ++more_map_ids_;
+  in_world_.reset();
 }
 
 void LoadedMap::PutAt(const MapPlace& place, const TerrainMap& own, Timestamp t) {
@@ -174,7 +218,16 @@ void LoadedMap::CompareWithWhatIsSeen(const TerrainMap& own, const PoseEstimate&
   reason_ = alignment.reason;
   if (was_confirmed && !confirmed_)
     spdlog::warn("{}: where it lies is no longer confirmed: {}", file_, reason_);
-  if (!confirmed_) return;
+  if (!confirmed_) {
+    // Views that look alike are no proof against surfaces.
+    if (recognised_ && alignment.differs_m2 > alignment.agrees_m2) {
+      TakeOutOfTheWorld();
+      finder_.Seek(finder_.views());
+      reason_ = "it was recognised where what is seen contradicts it, and is looked for again";
+      spdlog::warn("{}: {}", file_, reason_);
+    }
+    return;
+  }
   // From here on the world may drift away by as much as somebody may have been wrong.
   prior_.T_map_world = alignment.place.T_map_world;
   constexpr double kWorthMoving_m = 0.02, kWorthMoving_rad = 0.5 * M_PI / 180.0;

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "client/terrace_file.h"
+#include "core/camera.h"
 #include "core/explanation.h"
 #include "core/map_change.h"
 #include "core/map_transform.h"
@@ -17,6 +19,8 @@
 #include "daemon/loaded_regions.h"
 #include "daemon/loaded_staircases.h"
 #include "daemon/map_placing.h"
+#include "daemon/place_finder.h"
+#include "stereo/stereo_frame.h"
 
 namespace terrace {
 
@@ -26,11 +30,11 @@ namespace terrace {
 class LoadedMap {
  public:
   /// @param T_body_left  none: body is taken as the camera with x forward, y left, z up
-  explicit LoadedMap(const std::optional<Eigen::Isometry3d>& T_body_left);
+  LoadedMap(const StereoCamera& camera, const std::optional<Eigen::Isometry3d>& T_body_left);
 
   /// Replaces what was loaded before. With the next pose that may be mapped it lies in the world, when
-  /// somebody says where. From any thread.
-  void Load(TerrainMapPtr map, std::string file, const std::optional<BodyInMap>& body);
+  /// somebody says where; else once the camera has been recognised in it. From any thread.
+  void Load(SavedMap saved, std::string file, const std::optional<BodyInMap>& body);
 
   /// Where it lies, `map_id` aside; none: nothing is loaded. From any thread.
   std::optional<MapTransform> transform() const;
@@ -44,7 +48,12 @@ class LoadedMap {
   Explanations InJointIds(Explanations own) const;
 
   /// What a frame did to the map that is made, as what it did to the joint one. In the thread of the map.
-  MapChange Join(const MapChange& own, const PoseEstimate& pose);
+  /// @param frame  null when its images could not be used
+  MapChange Join(const MapChange& own, const PoseEstimate& pose, const StereoFrame* frame);
+
+  /// The views that were saved with it, where they lie in the world; none while that is not known. From any
+  /// thread.
+  std::vector<PlaceView> ViewsInWorld() const;
 
  private:
   /// A region of the joint map and what it was made from.
@@ -63,7 +72,10 @@ class LoadedMap {
   };
 
   void FollowTheWorld(const TerrainMap& own);
-  void PutIntoWorld(const TerrainMap& own, const PoseEstimate& pose);
+  void LookForThePlace(const TerrainMap& own, const PoseEstimate& pose, const StereoFrame& frame);
+  void PutIntoWorld(const MapPlace& place, const TerrainMap& own, const PoseEstimate& pose,
+                    const std::string& how);
+  void TakeOutOfTheWorld();
   void PutAt(const MapPlace& place, const TerrainMap& own, Timestamp t);
   void CompareWithWhatIsSeen(const TerrainMap& own, const PoseEstimate& pose);
   /// Of the own map; null: all of it.
@@ -76,10 +88,12 @@ class LoadedMap {
   const Eigen::Isometry3d T_body_left_;
   mutable std::mutex mutex_;  // of everything below
   TerrainMapPtr loaded_;
+  PlaceFinder finder_;
   std::string file_;
   std::optional<BodyInMap> body_;  // where it is to be put with the next pose
   std::string reason_;             // why it does not lie in the world, or is not confirmed
   MapPlace prior_;                 // of the next comparison with what is seen
+  bool recognised_ = false;        // it lies where its views say, and nobody else
   bool confirmed_ = false;         // by the last one
   int num_frames_ = 0;             // that changed the own map since then
   Timestamp t_;                    // newest image

@@ -94,6 +94,8 @@ int Run(int argc, char** argv) {
                    "Hand frames over at their recorded times; the newest wins, as live");
   replay->add_option("--publish", arguments.replay.publish_url,
                      "LCM provider URL to publish pose, terrain, status on");
+  replay->add_option("--save-map", arguments.replay.save_map,
+                     "Write the map at the end into this .terrace file, for --load-map");
   replay
       ->add_option("--save-disparity", arguments.replay.save_disparity_every,
                    "Write the disparity of frames 0, N, 2N, ...")

@@ -149,7 +149,7 @@ std::string WhyNotConfirmed(const MapAlignment& alignment, const MapPlace& prior
                             const Eigen::Vector3d& body_world) {
   const Vector6d moved = Log(prior.T_map_world.inverse() * alignment.place.T_map_world);
   if (moved.dot(prior.covariance.ldlt().solve(moved)) > kMaxSquares)
-    return Printed("what is seen lies %.2f m from where somebody said",
+    return Printed("what is seen lies %.2f m from where it was put",
                    (moved.tail<3>() + moved.head<3>().cross(body_world)).norm());
   const double share = alignment.agrees_m2 / std::max(1e-9, alignment.agrees_m2 + alignment.differs_m2);
   if (!(alignment.agrees_m2 > 0.0)) return "nothing that is seen is in the loaded map yet";

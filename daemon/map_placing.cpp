@@ -39,6 +39,13 @@ Eigen::Matrix3d TurnedTilts(const Eigen::Matrix3d& covariance, const PlaneAxes& 
   return turn * covariance * turn.transpose();
 }
 
+/// Of errors at a point, in the axes of the world, as errors at the world's origin.
+Matrix6d AtOrigin(const Matrix6d& covariance, const Eigen::Vector3d& p_world) {
+  Matrix6d transport = Matrix6d::Identity();
+  transport.bottomLeftCorner<3, 3>() = Cross(p_world);
+  return transport * covariance * transport.transpose();
+}
+
 }  // namespace
 
 std::optional<BodyInMap> BodyInMapFrom(const std::string& text) {
@@ -77,9 +84,16 @@ MapPlace PlaceOf(const BodyInMap& body_in_map, const Eigen::Isometry3d& T_world_
       R_world_level.transpose();
   at_body.bottomRightCorner<3, 3>() =
       body_in_map.sigma_p_m * body_in_map.sigma_p_m * Eigen::Matrix3d::Identity();
-  Matrix6d transport = Matrix6d::Identity();
-  transport.bottomLeftCorner<3, 3>() = Cross(p_world);
-  place.covariance = transport * at_body * transport.transpose();
+  place.covariance = AtOrigin(at_body, p_world);
+  return place;
+}
+
+MapPlace PlaceOf(const CameraInMap& camera_in_map, const Eigen::Isometry3d& T_world_left) {
+  MapPlace place;
+  place.T_map_world = camera_in_map.T_map_left * T_world_left.inverse();
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_world_left.linear();
+  place.covariance = AtOrigin(turn * camera_in_map.covariance * turn.transpose(), T_world_left.translation());
   return place;
 }
 

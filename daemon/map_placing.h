@@ -24,6 +24,13 @@ struct BodyInMap {
 /// Of "x y z yaw": metres, and degrees; none when it is not four numbers.
 std::optional<BodyInMap> BodyInMapFrom(const std::string& text);
 
+/// Where the left camera is in a loaded map, as the views that were saved with it say.
+struct CameraInMap {
+  Eigen::Isometry3d T_map_left = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Zero();  ///< rotation [rad], translation [m]; left frame
+  int num_corners = 0;                     ///< that were recognised
+};
+
 /// Where a map lies in the world: p_map = T_map_world * p_world.
 struct MapPlace {
   Eigen::Isometry3d T_map_world = Eigen::Isometry3d::Identity();
@@ -34,6 +41,8 @@ struct MapPlace {
 /// By where the body is in both; up is up in both, each by its own gravity.
 MapPlace PlaceOf(const BodyInMap& body_in_map, const Eigen::Isometry3d& T_world_body,
                  const Gravity& gravity_world, const Gravity& gravity_map);
+/// By where the camera is in both.
+MapPlace PlaceOf(const CameraInMap& camera_in_map, const Eigen::Isometry3d& T_world_left);
 
 /// The region as it lies in the world, with what the place is uncertain by in its plane's covariance.
 TerrainRegion Placed(const TerrainRegion& region_map, const MapPlace& place);

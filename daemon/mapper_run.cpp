@@ -39,7 +39,8 @@ MapperRun::MapperRun(const PipelineConfig& config, const StereoCalibration& cali
     : pace_(pace),
       single_threaded_(single_threaded),
       pipeline_(WithinTheImage(config, calibration), calibration, LoadSelfMask(config, calibration), pace),
-      loaded_map_(pipeline_.T_body_left()) {
+      loaded_map_(pipeline_.camera(), pipeline_.T_body_left()),
+      views_(pipeline_.camera()) {
   TERRACE_CHECK(pace == Pace::kEveryFrame || !single_threaded);
 }
 
@@ -77,6 +78,21 @@ TerrainMapPtr MapperRun::map() const {
   return map_;
 }
 
+SavedMap MapperRun::saved_map() const {
+  std::vector<PlaceView> loaded = loaded_map_.ViewsInWorld();
+  const std::lock_guard lock(mutex_);
+  SavedMap saved{map_, views_.views()};
+  const std::size_t num_own = saved.views.size();
+  for (PlaceView& view : loaded) {
+    const auto end = saved.views.begin() + static_cast<std::ptrdiff_t>(num_own);
+    if (std::none_of(saved.views.begin(), end, [&](const PlaceView& own) {
+          return AreNeighbours(own.T_world_left, view.T_world_left);
+        }))
+      saved.views.push_back(std::move(view));
+  }
+  return saved;
+}
+
 Explanations MapperRun::Explain(std::int64_t id) const {
   if (const std::optional<std::int64_t> own = loaded_map_.OwnId(id))
     return loaded_map_.InJointIds(pipeline_.Explain(*own));
@@ -97,11 +113,21 @@ void MapperRun::TakePose(const PoseEstimate& pose) {
 
 void MapperRun::TakeFrame(FrameResult result) {
   const StageMeasurement measuring(&pipeline_.meters(), StageId::kPublish);
-  result.change = loaded_map_.Join(result.change, result.pose);
+  KeepView(result);
+  result.change = loaded_map_.Join(result.change, result.pose, result.frame.get());
   if (pace_ == Pace::kNewest) result.latency_ms = handovers_.LatencyMs(result.pose.t_capture);
   for (const auto& sink : sinks_) sink->AddFrame(result);
   const std::lock_guard lock(mutex_);
   map_ = result.change.map;
+}
+
+/// Of the mapper's own map, before others are joined to it.
+void MapperRun::KeepView(const FrameResult& result) {
+  const std::lock_guard lock(mutex_);
+  const TerrainMap& own = *result.change.map;
+  if (std::exchange(views_map_id_, own.map_id) != own.map_id) views_.Clear();
+  if (result.frame && result.pose.trusted && result.pose.reason.empty())
+    views_.Add(*result.frame, result.pose);
 }
 
 }  // namespace terrace

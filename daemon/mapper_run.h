@@ -10,6 +10,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "client/terrace_file.h"
 #include "core/camera.h"
 #include "core/sensor_frame.h"
 #include "daemon/frame_sink.h"
@@ -17,6 +18,7 @@
 #include "daemon/loaded_map.h"
 #include "daemon/pipeline.h"
 #include "daemon/threaded_pipeline.h"
+#include "daemon/view_keeper.h"
 
 namespace terrace {
 
@@ -47,6 +49,9 @@ class MapperRun {
 
   /// As the last frame left it; null before the first one. From any thread.
   TerrainMapPtr map() const;
+  /// The same, with the views by which its places can be recognised; without a map before the first frame.
+  /// From any thread.
+  SavedMap saved_map() const;
   /// Why the region or staircase of map() with this id is what it is. From any thread.
   Explanations Explain(std::int64_t id) const;
   FlowCounts counts() const { return threads_ ? threads_->counts() : FlowCounts{}; }
@@ -54,6 +59,7 @@ class MapperRun {
  private:
   void TakePose(const PoseEstimate& pose);
   void TakeFrame(FrameResult result);
+  void KeepView(const FrameResult& result);
 
   const Pace pace_;
   const bool single_threaded_;
@@ -65,6 +71,8 @@ class MapperRun {
   FrameId next_frame_id_ = 0;  // of a single thread
   mutable std::mutex mutex_;
   TerrainMapPtr map_;
+  ViewKeeper views_;
+  std::int64_t views_map_id_ = 0;            // of the mapper's own map
   std::optional<ThreadedPipeline> threads_;  // last: its threads use everything above
 };
 

@@ -191,6 +191,10 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
     if (!run.Push(std::move(*frame))) break;
   if (Interrupted()) spdlog::warn("interrupted: the results hold what was read until then");
   run.Finish(sequence->num_time_jumps());
+  if (options.save_map.empty()) return;
+  const SavedMap saved = run.saved_map();
+  if (!saved.map) throw OutputError(options.save_map.string() + ": no frames came, there is no map");
+  SaveTerraceFile(options.save_map, *saved.map, saved.views);
 }
 
 }  // namespace terrace

@@ -18,6 +18,8 @@ struct ReplayOptions {
   bool realtime = false;
   /// LCM provider to publish on; empty: none.
   std::string publish_url;
+  /// A .terrace file to write at the end, with the views by which its places are recognised; empty: none.
+  std::filesystem::path save_map;
   bool overwrite = false;
   int save_disparity_every = 0;
   /// Pictures of tracked landmarks, spread over the run.

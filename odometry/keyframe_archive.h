@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -11,18 +10,12 @@
 
 #include "core/camera.h"
 #include "core/geometry.h"
+#include "core/place_view.h"
 #include "core/time.h"
 #include "odometry/image_pyramid.h"
 #include "odometry/window.h"
 
 namespace terrace {
-
-/// What a corner looks like, in 256 comparisons of grey values around it (Calonder et al., BRIEF, 2010).
-using Descriptor = std::array<std::uint64_t, 4>;
-
-/// None near the border of the image.
-std::optional<Descriptor> Describe(const ImagePyramid& image, const Eigen::Vector2d& pixel);
-int Distance(const Descriptor& a, const Descriptor& b);
 
 /// What is kept of a keyframe: enough to recognise the place and to close a loop.
 struct ArchivedKeyframe {
@@ -31,11 +24,7 @@ struct ArchivedKeyframe {
   Timestamp t_capture;
   Eigen::Isometry3d T_world_left = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();  ///< against the first pose
-  struct Point {
-    Eigen::Vector3d p_left;
-    Descriptor descriptor;
-  };
-  std::vector<Point> points;
+  std::vector<PlaceCorner> points;
 };
 
 /// Keyframes of the whole walk, thinned so that memory stays bounded.

@@ -38,7 +38,7 @@ TerrainMapPtr ServedMap(const ReplayResult& result) {
 }
 
 TerrainMapPtr MapToServe(const std::filesystem::path& result) {
-  return result.extension() == ".terrace" ? LoadTerraceFile(result) : ServedMap(ReadReplayResult(result));
+  return result.extension() == ".terrace" ? LoadTerraceFile(result).map : ServedMap(ReadReplayResult(result));
 }
 
 ResultServer::ResultServer(lcm::LCM* lcm, TerrainMapPtr map, const ChannelConfig& channels)

@@ -46,8 +46,9 @@ Rows FigureRows(const ReplayResult& result) {
       {"up from",
        Printed("%s, +- %.2f deg", Name(stats.gravity.source), stats.gravity.sigma_rad * 57.29577951308232)},
       {"memory", Printed("%.0f MiB at most", stats.peak_rss_mib)},
-      {"map", Printed("%lld cells, %zu regions, %zu staircases", static_cast<long long>(stats.map_cells),
-                      result.map.regions.size(), result.map.staircases.size())}};
+      {"map", Printed("%lld cells, %zu regions, %zu staircase%s", static_cast<long long>(stats.map_cells),
+                      result.map.regions.size(), result.map.staircases.size(),
+                      result.map.staircases.size() == 1 ? "" : "s")}};
   if (stats.latency) {
     rows.emplace_back("image to map",
                       Printed("%.0f ms (99 %%: %.0f)", stats.latency->p50, stats.latency->p99));

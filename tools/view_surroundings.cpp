@@ -16,19 +16,15 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "client/occupied_space.h"
+#include "client/ot_cells.h"
 #include "lcmtypes/codec_values.h"
 #include "lcmtypes/request_codec.h"
-#include "tools/ot_cells.h"
 
 namespace terrace {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "records are little endian");
-
-// What lies so near to a region is its own roughness, seen through the noise of stereo, which grows with
-// distance.
-constexpr double kLeastRoughness_m = 0.03;
-constexpr double kRoughnessSigmas = 3.0;
 
 template <typename Value>
 void AppendBytes(Value value, std::string* bytes) {
@@ -43,28 +39,6 @@ bool IsWhole(const disparity_v1_t& message) {
 }
 
 }  // namespace
-
-bool IsOnARegion(const Eigen::Vector3d& p_world, double distance_m, const TerrainQuery& query) {
-  bool is_on = false;
-  constexpr double kMostRoughness_m = 0.15;
-  const double farthest_m = distance_m + kMostRoughness_m;
-  query.tree().ForEach(
-      [&](const Eigen::AlignedBox3d& box) {
-        return !is_on && box.squaredExteriorDistance(p_world) <= farthest_m * farthest_m;
-      },
-      [&](std::size_t i) {
-        const TerrainQuery::Entry& entry = query.entries()[query.order()[i]];
-        if (entry.region->predicted()) return;
-        const RegionShape& shape = *entry.shape;
-        const double near_m = distance_m + std::clamp(kRoughnessSigmas * entry.region->rms_m,
-                                                      kLeastRoughness_m, kMostRoughness_m);
-        if (std::abs(shape.normal_world().dot(p_world - shape.centroid_world())) > near_m) return;
-        const Eigen::Vector2d flat = shape.ToPlane(p_world);
-        is_on =
-            is_on || shape.polygon().Contains(flat) || shape.polygon().NearestEdge(flat).distance_m <= near_m;
-      });
-  return is_on;
-}
 
 ViewBytes CellsRecord(const octree_v1_t& message, Timestamp t_heard, const TerrainQuery* query) {
   if (message.encoding != octree_v1_t::OCTOMAP_OT) return nullptr;

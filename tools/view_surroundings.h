@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
 #include <terrace/disparity_v1_t.hpp>
 #include <terrace/octree_v1_t.hpp>
 
@@ -12,10 +11,6 @@
 namespace terrace {
 
 // What the map is made of, and what is no plane: as records that a browser can be sent.
-
-/// Whether a point lies within this distance of a seen region of the map, beside the region's own roughness:
-/// three times its rms, at least 3 cm.
-bool IsOnARegion(const Eigen::Vector3d& p_world, double distance_m, const TerrainQuery& query);
 
 /// The cells of an octree that no region passes through. Little endian: edge of a finest leaf [m] and the
 /// lowest corner x, y, z of all [m, world] as float32, then for each cell its lowest corner from there in

@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <memory>
 #include <optional>
 
+#include "bench/client/true_ground.h"
 #include "client/example/footsteps/footstep_search.h"
 #include "client/example/footsteps/plan_picture.h"
 #include "client/terrain_query.h"
@@ -19,52 +19,6 @@
 
 namespace terrace {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kHeightTolerance_m = 0.01;
-constexpr double kSoleTolerance_m = 0.01;
-
-/// The true walkable ground, as a map in the frame of the result's.
-TerrainMapPtr TrueGround(const TrueScene& scene, const Eigen::Isometry3d& T_map_truth) {
-  auto map = std::make_shared<TerrainMap>();
-  for (const TruePolygon& polygon : scene.polygons) {
-    const auto label = TerrainLabelFromName(polygon.label);
-    if (!label || !kWalkableLabels.Has(*label)) continue;
-    auto region = std::make_shared<TerrainRegion>();
-    region->id = polygon.id;
-    region->label = *label;
-    region->plane_world.normal = T_map_truth.linear() * polygon.plane_world.normal;
-    const auto moved = [&](const Ring& ring) {
-      Ring result;
-      for (const Eigen::Vector3d& p : ring) result.push_back(T_map_truth * p);
-      return result;
-    };
-    region->outline_world = moved(polygon.outline_world);
-    for (const Ring& hole : polygon.holes_world) region->holes_world.push_back(moved(hole));
-    region->centroid_world = region->outline_world.front();
-    region->plane_world.offset_m = region->plane_world.normal.dot(region->centroid_world);
-    map->regions.push_back(region);
-  }
-  std::sort(map->regions.begin(), map->regions.end(),
-            [](const auto& a, const auto& b) { return a->id < b->id; });
-  return map;
-}
-
-bool TrulyAt(const TerrainQuery& truth, const Eigen::Vector3d& p) {
-  return truth.SupportAt(p.head<2>(), p.z() - kHeightTolerance_m, p.z() + kHeightTolerance_m).has_value();
-}
-
-bool IsRight(const TerrainQuery& truth, const Support& ground, double foot_radius_m) {
-  if (!TrulyAt(truth, ground.point_world)) return false;
-  constexpr int kPoints = 16;
-  const PlaneAxes axes = AxesOf(ground.normal_world);
-  for (int i = 0; i < kPoints; ++i) {
-    const double angle = 2.0 * M_PI * i / kPoints;
-    const Eigen::Vector3d around = std::cos(angle) * axes.x + std::sin(angle) * axes.y;
-    if (!TrulyAt(truth, ground.point_world + (foot_radius_m - kSoleTolerance_m) * around)) return false;
-  }
-  return true;
-}
 
 /// Ground of the map where the camera was, the first or the last one of the walk with room for two feet.
 std::optional<PlanEnd> EndOf(const TerrainQuery& query, const Walker& walker,
@@ -105,7 +59,7 @@ void Judge(const std::filesystem::path& result_folder, const std::filesystem::pa
   std::vector<Footstep> steps;
   if (start && goal) steps = PlanFootsteps(query, walker, *start, *goal);
   int num_right = 0;
-  for (const Footstep& step : steps) num_right += IsRight(truth, step.ground, walker.foot.radius_m);
+  for (const Footstep& step : steps) num_right += IsRightFoothold(truth, step.ground, walker.foot.radius_m);
   ++counts->num_places;
   counts->num_reached += !steps.empty();
   counts->num_placements += static_cast<int>(steps.size());

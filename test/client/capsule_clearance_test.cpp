@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/occupied_space.h"
 #include "test/client/made_terrain.h"
 
 namespace terrace {
@@ -91,23 +92,46 @@ TEST(CapsuleClearanceTest, GradientIsHowTheDistanceChangesWhenTheCapsuleMoves) {
   EXPECT_GT(num_smooth, 150);
 }
 
-TEST(CapsuleClearanceTest, SaysFreeOnlyInFrontOfFacesAndOverSeenGround) {
+TEST(CapsuleClearanceTest, SaysFreeOnlyWhereTheOctreeWasAskedInFrontOfFacesAndOverSeenGround) {
   auto floor = MadeRegion(1, TerrainLabel::kWalkway, LevelAt(0.0), Rectangle(0, 0, 2, 2));
   auto inferred = MadeRegion(2, TerrainLabel::kStairTread, LevelAt(0.2), Rectangle(2, 0, 3, 2));
   inferred->source = RegionSource::kPredicted;
   const TerrainQuery query(MadeMap({floor, inferred}));
-  const auto leg = [&](double x, double low, double high) {
-    return query.CapsuleClearance({x, 1, low}, {x, 1, high}, 0.03);
+  const OccupiedSpace empty(Eigen::AlignedBox3d(Eigen::Vector3d(-9, -9, -9), Eigen::Vector3d(9, 9, 0.45)),
+                            {});
+  const auto leg = [&](double x, double low, double high, const OccupiedSpace* space) {
+    return query.CapsuleClearance({x, 1, low}, {x, 1, high}, 0.03, kAllLabels, space);
   };
-  EXPECT_EQ(leg(1.0, 0.05, 0.4).occupancy, Occupancy::kFree);
-  EXPECT_NEAR(leg(1.0, 0.05, 0.4).distance_m, 0.02, 1e-12);
-  EXPECT_LT((leg(1.0, 0.05, 0.4).gradient_world - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
-  EXPECT_EQ(leg(1.0, 0.02, 0.4).occupancy, Occupancy::kOccupied);
-  EXPECT_EQ(leg(1.0, -0.4, -0.1).occupancy, Occupancy::kUnknown) << "behind the floor";
-  EXPECT_EQ(leg(2.5, 0.3, 0.6).occupancy, Occupancy::kUnknown) << "over what was inferred";
-  EXPECT_EQ(leg(5.0, 0.3, 0.6).occupancy, Occupancy::kUnknown) << "over nothing";
-  EXPECT_EQ(query.CapsuleClearance({1, 1, 0.5}, {-1, 1, 0.5}, 0.03).occupancy, Occupancy::kUnknown)
+  EXPECT_EQ(leg(1.0, 0.05, 0.4, &empty).occupancy, Occupancy::kFree);
+  EXPECT_EQ(leg(1.0, 0.05, 0.4, nullptr).occupancy, Occupancy::kUnknown) << "nobody has asked the octree";
+  EXPECT_EQ(leg(1.0, 0.05, 0.43, &empty).occupancy, Occupancy::kUnknown) << "its end is out of the box";
+  EXPECT_NEAR(leg(1.0, 0.05, 0.4, &empty).distance_m, 0.02, 1e-12);
+  EXPECT_LT((leg(1.0, 0.05, 0.4, &empty).gradient_world - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_EQ(leg(1.0, 0.02, 0.4, nullptr).occupancy, Occupancy::kOccupied);
+  EXPECT_EQ(leg(1.0, -0.4, -0.1, &empty).occupancy, Occupancy::kUnknown) << "behind the floor";
+  EXPECT_EQ(leg(2.5, 0.3, 0.4, &empty).occupancy, Occupancy::kUnknown) << "over what was inferred";
+  EXPECT_EQ(leg(5.0, 0.3, 0.4, &empty).occupancy, Occupancy::kUnknown) << "over nothing";
+  EXPECT_EQ(query.CapsuleClearance({1, 1, 0.3}, {-1, 1, 0.3}, 0.03, kAllLabels, &empty).occupancy,
+            Occupancy::kUnknown)
       << "its end lies over nothing";
+}
+
+TEST(CapsuleClearanceTest, TouchesLeavesOfTheOctreeThatLieOnNoFace) {
+  const TerrainQuery query(
+      MadeMap({MadeRegion(1, TerrainLabel::kWalkway, LevelAt(0.0), Rectangle(0, 0, 2, 2))}));
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(-9, -9, -9), Eigen::Vector3d(9, 9, 9));
+  const OccupiedSpace space(box, {{Eigen::Vector3d(1.2, 0.9, 0.3), Eigen::Vector3d(1.3, 1.1, 0.5)}});
+  const Clearance near = query.CapsuleClearance({1, 1, 0.35}, {1, 1, 0.45}, 0.05, kAllLabels, &space);
+  EXPECT_NEAR(near.distance_m, 0.15, 1e-12);
+  EXPECT_EQ(near.region_id, 0);
+  EXPECT_LT((near.gradient_world + Eigen::Vector3d::UnitX()).norm(), 1e-12);
+  EXPECT_EQ(near.occupancy, Occupancy::kFree);
+  EXPECT_EQ(query.CapsuleClearance({1, 1, 0.35}, {1.16, 1, 0.45}, 0.05, kAllLabels, &space).occupancy,
+            Occupancy::kOccupied);
+  const Clearance through = query.CapsuleClearance({1, 1, 0.4}, {1.22, 1, 0.4}, 0.05, kAllLabels, &space);
+  EXPECT_NEAR(through.distance_m, -0.02 - 0.05, 1e-12) << "back by as much as it is in";
+  EXPECT_EQ(query.CapsuleClearance({1, 1, 0.1}, {1, 1, 0.2}, 0.05, kAllLabels, &space).region_id, 1)
+      << "the floor is nearer";
 }
 
 TEST(CapsuleClearanceTest, SaysHowFarALegMustBeMovedOutOfAFace) {

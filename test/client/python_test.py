@@ -23,6 +23,7 @@ import terrace  # noqa: E402
 _folder = tempfile.TemporaryDirectory()
 LOG = pathlib.Path(_folder.name, "terrain.lcmlog")
 EXPECTED = json.loads(subprocess.run([EXAMPLE_LOG, LOG], check=True, capture_output=True, text=True).stdout)
+OCTREE = pathlib.Path(str(LOG) + ".octree")
 MESSAGES = [event.data for event in terrace.read_log(LOG) if event.channel == "TERRACE_TERRAIN"]
 
 
@@ -148,14 +149,30 @@ class QueryTest(unittest.TestCase):
 
     def test_a_capsule_is_as_far_from_everything_as_the_cpp_query_says(self):
         num_near = 0
-        for told in EXPECTED["clearances"]:
-            found = self.query.capsule_clearance(told["a"], told["b"], 0.04)
+        space = terrace.OccupiedSpace(terrace.octree_v1_t.decode(OCTREE.read_bytes()), self.query)
+        self.assertGreater(len(space.low), 100)
+        for number, told in enumerate(EXPECTED["clearances"]):
+            found = self.query.capsule_clearance(told["a"], told["b"], 0.04, space=None if number % 2 else space)
             self.assertAlmostEqual(found.distance_m, told["distance"], 6)
             self.assertEqual(found.region_id, told["region"])
             np.testing.assert_allclose(found.gradient, told["gradient"], atol=1e-4)
             self.assertEqual(found.occupancy, ("free", "occupied", "unknown")[told["occupancy"]])
             num_near += found.distance_m <= 0.0
         self.assertGreater(num_near, 10)
+        self.assertEqual({told["occupancy"] for told in EXPECTED["clearances"][::2]}, {0, 1, 2})
+        self.assertEqual({told["occupancy"] for told in EXPECTED["clearances"][1::2]}, {1, 2})
+        self.assertTrue(any(told["region"] == 0 for told in EXPECTED["clearances"][::2]))
+
+    def test_an_octree_that_was_cut_or_is_of_another_map_is_refused(self):
+        octree = terrace.octree_v1_t.decode(OCTREE.read_bytes())
+        whole = bytes(octree.data)
+        for size in range(0, len(whole), 7):
+            octree.data = whole[:size]
+            with self.assertRaises(ValueError):
+                terrace.OccupiedSpace(octree, self.query)
+        octree.data, octree.map_id = whole, octree.map_id + 1
+        with self.assertRaisesRegex(ValueError, "another map"):
+            terrace.OccupiedSpace(octree, self.query)
 
     def test_the_next_map_shares_what_has_not_changed(self):
         again = terrace.TerrainQuery(self.terrain, before=self.query)

@@ -27,7 +27,7 @@ TerrainMap ExampleMap(int num_regions) {
 /// Why the bytes are refused; empty: they are not.
 std::string Refusal(const Bytes& bytes) {
   try {
-    static_cast<void>(MapFromTerraceFile(bytes, "room.terrace"));
+    static_cast<void>(FromTerraceFile(bytes, "room.terrace"));
     return "";
   } catch (const FileError& error) {
     return error.what();
@@ -79,7 +79,7 @@ void ExpectSameStaircase(const Staircase& a, const Staircase& b) {
 
 TEST(TerraceFileTest, GivesBackEveryBitOfAMap) {
   const TerrainMap map = ExampleMap(60);
-  const TerrainMap read = MapFromTerraceFile(TerraceFileBytes(map), "room.terrace");
+  const TerrainMap read = *FromTerraceFile(TerraceFileBytes(map), "room.terrace").map;
   EXPECT_EQ(read.t_capture, map.t_capture);
   EXPECT_EQ(read.seq, map.seq);
   EXPECT_EQ(read.map_id, map.map_id);
@@ -100,9 +100,45 @@ TEST(TerraceFileTest, GivesBackEveryBitOfAMap) {
 }
 
 TEST(TerraceFileTest, AMapWithoutAnythingIsAMap) {
-  const TerrainMap read = MapFromTerraceFile(TerraceFileBytes(TerrainMap()), "room.terrace");
+  const TerrainMap read = *FromTerraceFile(TerraceFileBytes(TerrainMap()), "room.terrace").map;
   EXPECT_TRUE(read.regions.empty());
   EXPECT_FALSE(read.T_body_left);
+}
+
+std::vector<PlaceView> ExampleViews() {
+  std::vector<PlaceView> views(2);
+  views[0].t_capture = Timestamp{1'234'567};
+  views[0].T_world_left =
+      Eigen::Translation3d(1.0, -2.0, 0.5) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ());
+  views[0].corners = {{{0.1, 0.2, 3.0}, {1, 2, 3, ~std::uint64_t{0}}},
+                      {{-0.4, 0.0, 1.0 / 3.0}, {0, 0, 7, 0}}};
+  return views;
+}
+
+TEST(TerraceFileTest, GivesBackTheViewsThatWereSavedWithAMap) {
+  const TerrainMap map = ExampleMap(5);
+  const std::vector<PlaceView> views = ExampleViews();
+  const SavedMap read = FromTerraceFile(TerraceFileBytes(map, views), "room.terrace");
+  EXPECT_EQ(TerraceFileBytes(*read.map), TerraceFileBytes(map));
+  ASSERT_EQ(read.views.size(), 2u);
+  EXPECT_EQ(read.views[0].t_capture, views[0].t_capture);
+  EXPECT_EQ(read.views[0].T_world_left.matrix(), views[0].T_world_left.matrix());
+  ASSERT_EQ(read.views[0].corners.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.views[0].corners[i].p_left, views[0].corners[i].p_left);
+    EXPECT_EQ(read.views[0].corners[i].descriptor, views[0].corners[i].descriptor);
+  }
+  EXPECT_TRUE(read.views[1].corners.empty());
+}
+
+TEST(TerraceFileTest, ViewsThatAreCutOrNoPosesAreRefused) {
+  std::vector<PlaceView> views = ExampleViews();
+  const Bytes whole = TerraceFileBytes(ExampleMap(1), views);
+  const std::size_t without = TerraceFileBytes(ExampleMap(1)).size();
+  for (std::size_t size = without; size < whole.size(); size += 8)
+    EXPECT_NE(Refusal(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))), "") << size;
+  views[1].T_world_left.linear() *= 2.0;
+  EXPECT_NE(Refusal(TerraceFileBytes(ExampleMap(1), views)).find("scale"), std::string::npos);
 }
 
 TEST(TerraceFileTest, ACutFileIsRefusedWithPlaceAndReason) {
@@ -164,7 +200,7 @@ TEST(TerraceFileTest, SavesAndLoadsAndSaysWhatCannotBe) {
   std::filesystem::create_directories(folder);
   const TerrainMap map = ExampleMap(10);
   SaveTerraceFile(folder / "room.terrace", map);
-  EXPECT_EQ(TerraceFileBytes(*LoadTerraceFile(folder / "room.terrace")), TerraceFileBytes(map));
+  EXPECT_EQ(TerraceFileBytes(*LoadTerraceFile(folder / "room.terrace").map), TerraceFileBytes(map));
   EXPECT_FALSE(std::filesystem::exists(folder / "room.terrace.partial"));
   EXPECT_THROW(static_cast<void>(LoadTerraceFile(folder / "none.terrace")), FileError);
   EXPECT_THROW(SaveTerraceFile(folder / "none" / "room.terrace", map), FileError);

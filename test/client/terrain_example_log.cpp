@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Writes a log of terrain messages and, as LOG.terrace, the map that it ends with, and prints as JSON what a
-// C++ subscriber has of it and how TerrainQuery answers: what the Python package is held against.
+// Writes a log of terrain messages and, as LOG.terrace, the map that it ends with, as LOG.octree an
+// octree_v1_t, and prints as JSON what a C++ subscriber has of it and how TerrainQuery answers: what the
+// Python package is held against.
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include <lcm/lcm-cpp.hpp>
 
+#include "client/occupied_space.h"
 #include "client/terrace_file.h"
 #include "client/terrain_follower.h"
 #include "client/terrain_query.h"
+#include "core/file_bytes.h"
 #include "lcmtypes/terrain_codec.h"
+#include "mapping/octomap_bytes.h"
 #include "test/client/made_terrain.h"
 
 namespace terrace {
@@ -57,7 +63,30 @@ void PrintSupport(const Support& support) {
       support.edge_distance_m, Name(support.edge.kind), support.age_s);
 }
 
-void PrintAnswers(const TerrainQuery& query, ScatteredTerrain* terrain) {
+/// Leaves all over the place, of which some lie on regions.
+octree_v1_t ScatteredOctree(const TerrainQuery& query, ScatteredTerrain* terrain) {
+  constexpr double kLeaf_m = 0.02;
+  std::vector<OccupiedLeaf> leaves;
+  for (int i = 0; i < 300; ++i) {
+    const auto at = [&](double low, double high) {
+      return 4 * static_cast<int>(std::lround(terrain->Real(low, high) / (4 * kLeaf_m)));
+    };
+    leaves.push_back(
+        {{at(-kHalfExtent_m, kHalfExtent_m), at(-kHalfExtent_m, kHalfExtent_m), at(-0.2, 2.0)}, i % 3, 1});
+  }
+  octree_v1_t message{};
+  message.map_id = query.map().map_id;
+  message.encoding = octree_v1_t::OCTOMAP_OT;
+  for (int axis = 0; axis < 3; ++axis) {
+    message.box_min[axis] = -1.5;
+    message.box_max[axis] = 2.5;
+  }
+  message.data = OctomapBytes(leaves, kLeaf_m, OctomapFormat::kOt);
+  message.n_bytes = static_cast<std::int32_t>(message.data.size());
+  return message;
+}
+
+void PrintAnswers(const TerrainQuery& query, const OccupiedSpace& space, ScatteredTerrain* terrain) {
   std::printf("\"supports\": [");
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector2d xy(terrain->Real(-kHalfExtent_m, kHalfExtent_m),
@@ -82,12 +111,13 @@ void PrintAnswers(const TerrainQuery& query, ScatteredTerrain* terrain) {
     if (!foothold) std::printf("null}");
   }
   std::printf("],\n\"clearances\": [");
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 200; ++i) {
     const Eigen::Vector3d a(terrain->Real(-kHalfExtent_m, kHalfExtent_m),
                             terrain->Real(-kHalfExtent_m, kHalfExtent_m), terrain->Real(-0.2, 2.0));
     const Eigen::Vector3d b =
         a + 0.4 * Eigen::Vector3d(terrain->Real(-1, 1), terrain->Real(-1, 1), terrain->Real(-1, 1));
-    const Clearance clearance = query.CapsuleClearance(a, b, 0.04);
+    // Every second one without the octree.
+    const Clearance clearance = query.CapsuleClearance(a, b, 0.04, kAllLabels, i % 2 == 0 ? &space : nullptr);
     const Eigen::Vector3d& g = clearance.gradient_world;
     std::printf(
         "%s{\"a\": [%.17g, %.17g, %.17g], \"b\": [%.17g, %.17g, %.17g], \"distance\": %.9f, "
@@ -118,9 +148,17 @@ int Run(const std::string& path) {
   Write(&log, &follower, DeltaMessages(*first, second, kPartBytes));
   const SeenRegion seen{second.regions[0]->id, later.t_capture - std::chrono::milliseconds(20)};
   Write(&log, &follower, SeenMessages(later, std::nullopt, {&seen, 1}, kPartBytes));
-  SaveTerraceFile(path + ".terrace", *follower.map());
+  // With views, which say nothing of the regions.
+  std::vector<PlaceView> views(2);
+  views.front().corners.resize(50);
+  SaveTerraceFile(path + ".terrace", *follower.map(), views);
   PrintRegions(*follower.map());
-  PrintAnswers(TerrainQuery(follower.map()), &terrain);
+  const TerrainQuery query(follower.map());
+  const octree_v1_t octree = ScatteredOctree(query, &terrain);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(octree.getEncodedSize()));
+  octree.encode(bytes.data(), 0, octree.getEncodedSize());
+  WriteFileBytes(path + ".octree", bytes);
+  PrintAnswers(query, OccupiedSpace(octree, query), &terrain);
   return 0;
 }
 

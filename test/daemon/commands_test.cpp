@@ -30,10 +30,13 @@ class CommandObeyerTest : public ::testing::Test {
     return {[this] { ++num_resets_; },
             [this](bool paused) { paused_ = paused; },
             [this] { return map_ != nullptr; },
-            [this] { return map_; },
+            [this] {
+              return SavedMap{map_, views_};
+            },
             Explain,
-            [this](TerrainMapPtr map, const std::string& file, const std::optional<BodyInMap>& body) {
-              loaded_ = std::move(map);
+            [this](SavedMap saved, const std::string& file, const std::optional<BodyInMap>& body) {
+              loaded_ = std::move(saved.map);
+              loaded_views_ = std::move(saved.views);
               loaded_file_ = file;
               body_ = body;
               return camera_known_;
@@ -54,7 +57,9 @@ class CommandObeyerTest : public ::testing::Test {
   int num_resets_ = 0;
   bool paused_ = false;
   bool camera_known_ = true;
+  std::vector<PlaceView> views_;
   TerrainMapPtr loaded_;
+  std::vector<PlaceView> loaded_views_;
   std::string loaded_file_;
   std::optional<BodyInMap> body_;
   CommandObeyer obeyer_{folder_.path(), Actions()};
@@ -84,7 +89,7 @@ TEST_F(CommandObeyerTest, SavesEveryBitOfTheMapUnderANameThatEndsInTerrace) {
   map_ = std::make_shared<const TerrainMap>(ExampleMaps(3).First(12));
   const command_reply_v1_t reply = obeyer_.Obey(Command(command_v1_t::SAVE_MAP, "hall.terrace"));
   EXPECT_EQ(reply.result, command_reply_v1_t::OK) << reply.message;
-  EXPECT_EQ(TerraceFileBytes(*LoadTerraceFile(folder_.path() / "hall.terrace")), TerraceFileBytes(*map_));
+  EXPECT_EQ(TerraceFileBytes(*LoadTerraceFile(folder_.path() / "hall.terrace").map), TerraceFileBytes(*map_));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1)
       << "something else is left";
 }
@@ -104,6 +109,12 @@ TEST_F(CommandObeyerTest, LoadsASavedMapAndHearsWhereTheRobotIsInIt) {
   ASSERT_TRUE(body_);
   EXPECT_EQ(body_->p_map, Eigen::Vector3d(1.5, -2, 0.25));
   EXPECT_DOUBLE_EQ(body_->yaw_rad, 0.5 * M_PI);
+  EXPECT_TRUE(loaded_views_.empty());
+  views_.emplace_back().corners.emplace_back();
+  ASSERT_EQ(obeyer_.Obey(Command(command_v1_t::SAVE_MAP, "hall.terrace")).result, command_reply_v1_t::OK);
+  reply = obeyer_.Obey(Command(command_v1_t::LOAD_MAP, "hall.terrace"));
+  EXPECT_THAT(reply.message, HasSubstr("recognised in one of its 1 views"));
+  EXPECT_EQ(loaded_views_.size(), 1u);
   camera_known_ = false;
   EXPECT_EQ(obeyer_.Obey(Command(command_v1_t::LOAD_MAP, "hall.terrace")).result,
             command_reply_v1_t::REFUSED);

@@ -37,7 +37,7 @@ class LoadedMapTest : public ::testing::Test {
     pose.trusted = true;
     pose.epoch = epoch_;
     pose.T_world_left.linear() = LevelLeft();
-    return loaded_.Join(change, pose);
+    return loaded_.Join(change, pose, nullptr);
   }
 
   /// The camera looks along x: then the body is turned as the world.
@@ -60,12 +60,12 @@ class LoadedMapTest : public ::testing::Test {
   std::int64_t map_id_ = 1;
   int epoch_ = 0;
   std::int64_t seq_ = 0;
-  LoadedMap loaded_{std::nullopt};
+  LoadedMap loaded_{StereoCamera{}, std::nullopt};
 };
 
 TEST_F(LoadedMapTest, LeavesTheMapAloneWhileNobodySaysWhereTheRobotIs) {
   EXPECT_FALSE(loaded_.transform());
-  loaded_.Load(MadeMap({Floor(7, 0, 0, 1, 1)}), "hall.terrace", std::nullopt);
+  loaded_.Load({MadeMap({Floor(7, 0, 0, 1, 1)}), {}}, "hall.terrace", std::nullopt);
   const MapChange change = Frame({Floor(1, 0, 0, 1, 1)});
   EXPECT_EQ(change.map, own_);
   ASSERT_TRUE(loaded_.transform());
@@ -77,7 +77,7 @@ TEST_F(LoadedMapTest, LeavesTheMapAloneWhileNobodySaysWhereTheRobotIs) {
 
 TEST_F(LoadedMapTest, PutsTheLoadedMapWhereTheRobotIsInIt) {
   auto saved = MadeMap({Floor(7, 2, 3, 4, 4, 1.0)});
-  loaded_.Load(saved, "hall.terrace", BodyInMap{{2, 3, 1.5}, 0.5 * kPi});
+  loaded_.Load({saved, {}}, "hall.terrace", BodyInMap{{2, 3, 1.5}, 0.5 * kPi});
   const MapChange change = Frame({});
   ASSERT_EQ(change.map->regions.size(), 1u);
   const TerrainRegion& region = *change.map->regions.front();
@@ -97,7 +97,7 @@ TEST_F(LoadedMapTest, PutsTheLoadedMapWhereTheRobotIsInIt) {
 TEST_F(LoadedMapTest, ShowsNoGroundTwiceAndLosesNoneWhateverIsSeen) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> at(0.0, 4.0), size(0.3, 1.5), height(-0.02, 0.02);
-  loaded_.Load(MadeMap({Floor(3, 0, 0, 3, 2), Floor(9, 3, 0, 5, 2, 0.15)}), "hall.terrace",
+  loaded_.Load({MadeMap({Floor(3, 0, 0, 3, 2), Floor(9, 3, 0, 5, 2, 0.15)}), {}}, "hall.terrace",
                BodyInMap{{0, 0, 0}, 0.0});
   // Floors that are seen one after the other, none over another.
   std::vector<std::shared_ptr<const TerrainRegion>> seen;
@@ -140,7 +140,7 @@ TEST_F(LoadedMapTest, ShowsNoGroundTwiceAndLosesNoneWhateverIsSeen) {
 }
 
 TEST_F(LoadedMapTest, GivesNothingBackWhenWhatWasSeenGoes) {
-  loaded_.Load(MadeMap({Floor(3, 0, 0, 2, 2)}), "hall.terrace", BodyInMap{});
+  loaded_.Load({MadeMap({Floor(3, 0, 0, 2, 2)}), {}}, "hall.terrace", BodyInMap{});
   EXPECT_EQ(NumGroundsAt(Frame({}).map, 1.5, 1.0), 1);
   const TerrainMapPtr map = Frame({Floor(1, 1, -1, 3, 3)}).map;
   EXPECT_EQ(NumGroundsAt(map, 1.5, 1.0), 1);
@@ -152,13 +152,13 @@ TEST_F(LoadedMapTest, GivesNothingBackWhenWhatWasSeenGoes) {
 }
 
 TEST_F(LoadedMapTest, KeepsAKerbBesideTheStreetThatIsSeen) {
-  loaded_.Load(MadeMap({Floor(3, 0, 0, 2, 2, 0.1)}), "hall.terrace", BodyInMap{});
+  loaded_.Load({MadeMap({Floor(3, 0, 0, 2, 2, 0.1)}), {}}, "hall.terrace", BodyInMap{});
   Frame({});
   EXPECT_EQ(NumGroundsAt(Frame({Floor(1, -1, -1, 3, 3, 0.0)}).map, 1.0, 1.0), 2);
 }
 
 TEST_F(LoadedMapTest, SaysJoinsWhereWhatWasSeenGoesOn) {
-  loaded_.Load(MadeMap({Floor(3, 0, 0, 2, 1)}), "hall.terrace", BodyInMap{});
+  loaded_.Load({MadeMap({Floor(3, 0, 0, 2, 1)}), {}}, "hall.terrace", BodyInMap{});
   Frame({});
   const TerrainMapPtr map = Frame({Floor(1, 1, -1, 3, 3)}).map;
   const TerrainRegion& left = *map->regions.front();
@@ -170,7 +170,7 @@ TEST_F(LoadedMapTest, SaysJoinsWhereWhatWasSeenGoesOn) {
 }
 
 TEST_F(LoadedMapTest, WaitsWithWhatIsNotDecided) {
-  loaded_.Load(MadeMap({Floor(3, 0, 0, 2, 2)}), "hall.terrace", BodyInMap{});
+  loaded_.Load({MadeMap({Floor(3, 0, 0, 2, 2)}), {}}, "hall.terrace", BodyInMap{});
   auto undecided = Floor(1, 0.5, 0.5, 1.5, 1.5, 0.01);
   undecided->label = TerrainLabel::kUnknown;
   TerrainMapPtr map = Frame({undecided}).map;
@@ -213,7 +213,7 @@ TEST_F(LoadedMapTest, CountsTheStepsOfAFlightThatIsSeenInPartByTheWholeOne) {
   auto saved =
       MadeMap({Tread(11, 4, 1, 1.0, 0.17), Tread(12, 4, 2, 1.28, 0.34), Tread(13, 4, 3, 1.56, 0.51)});
   saved->staircases = {Flight(4, 4, {1, 0, 0})};
-  loaded_.Load(saved, "hall.terrace", BodyInMap{});
+  loaded_.Load({saved, {}}, "hall.terrace", BodyInMap{});
   Frame({});
   // Its first riser is the second one of the flight.
   const TerrainMapPtr map = Frame({Tread(1, 1, 1, 1.29, 0.345)}, {Flight(1, 2, {1.29, 0.02, 0.175})}).map;
@@ -231,7 +231,7 @@ TEST_F(LoadedMapTest, CountsTheStepsOfAFlightThatIsSeenInPartByTheWholeOne) {
 TEST_F(LoadedMapTest, LetsAFlightGrowBelowAndAboveTheLoadedOne) {
   auto saved = MadeMap({Tread(11, 4, 1, 1.0, 0.17)});
   saved->staircases = {Flight(4, 2, {1, 0, 0})};
-  loaded_.Load(saved, "hall.terrace", BodyInMap{});
+  loaded_.Load({saved, {}}, "hall.terrace", BodyInMap{});
   Frame({});
   const TerrainMapPtr map =
       Frame({Tread(1, 1, 1, 0.72, 0.0), Tread(2, 1, 3, 1.28, 0.34)}, {Flight(1, 4, {0.72, 0.0, -0.17})}).map;
@@ -246,7 +246,7 @@ TEST_F(LoadedMapTest, LetsAFlightGrowBelowAndAboveTheLoadedOne) {
 TEST_F(LoadedMapTest, KeepsAnotherFlightApart) {
   auto saved = MadeMap({Tread(11, 4, 1, 1.0, 0.17)});
   saved->staircases = {Flight(4, 2, {1, 0, 0})};
-  loaded_.Load(saved, "hall.terrace", BodyInMap{});
+  loaded_.Load({saved, {}}, "hall.terrace", BodyInMap{});
   Frame({});
   const TerrainMapPtr map = Frame({Tread(1, 1, 1, 4.0, 0.17)}, {Flight(1, 2, {4, 0, 0})}).map;
   EXPECT_EQ(map->staircases.size(), 2u);
@@ -276,7 +276,7 @@ TEST_F(LoadedMapTest, MovesOntoWhatIsSeenOnceThatFixesThePlaceAndSaysSo) {
     return regions;
   };
   // The robot stands at the map's origin, and somebody says 5 cm and 1.5 deg beside it.
-  loaded_.Load(MadeMap(room()), "hall.terrace", BodyInMap{{0.04, -0.03, 0.02}, 0.026});
+  loaded_.Load({MadeMap(room()), {}}, "hall.terrace", BodyInMap{{0.04, -0.03, 0.02}, 0.026});
   const std::int64_t given_id = Frame(room()).map->map_id;
   EXPECT_EQ(loaded_.transform()->placing, MapPlacing::kGiven);
   TerrainMapPtr map;
@@ -292,7 +292,7 @@ TEST_F(LoadedMapTest, MovesOntoWhatIsSeenOnceThatFixesThePlaceAndSaysSo) {
 }
 
 TEST_F(LoadedMapTest, ForgetsTheLoadedMapWhenTheMapIsToBeginAnew) {
-  loaded_.Load(MadeMap({Floor(3, 0, 0, 2, 2)}), "hall.terrace", BodyInMap{});
+  loaded_.Load({MadeMap({Floor(3, 0, 0, 2, 2)}), {}}, "hall.terrace", BodyInMap{});
   const std::int64_t joint_id = Frame({}).map->map_id;
   ++map_id_;
   const MapChange change = Frame({});
@@ -302,7 +302,7 @@ TEST_F(LoadedMapTest, ForgetsTheLoadedMapWhenTheMapIsToBeginAnew) {
 }
 
 TEST_F(LoadedMapTest, SaysThatItDoesNotKnowWhereItLiesInAnotherWorld) {
-  loaded_.Load(MadeMap({Floor(3, 0, 0, 2, 2)}), "hall.terrace", BodyInMap{});
+  loaded_.Load({MadeMap({Floor(3, 0, 0, 2, 2)}), {}}, "hall.terrace", BodyInMap{});
   const std::int64_t joint_id = Frame({}).map->map_id;
   ++map_id_;
   ++epoch_;
@@ -316,7 +316,7 @@ TEST_F(LoadedMapTest, SaysThatItDoesNotKnowWhereItLiesInAnotherWorld) {
 }
 
 TEST_F(LoadedMapTest, ExplainsUnderTheIdsOfTheJointMap) {
-  loaded_.Load(MadeMap({Floor(3, 0, 0, 2, 2)}), "hall.terrace", BodyInMap{});
+  loaded_.Load({MadeMap({Floor(3, 0, 0, 2, 2)}), {}}, "hall.terrace", BodyInMap{});
   const TerrainMapPtr map = Frame({Floor(1, 4, 0, 5, 1)}).map;
   ASSERT_EQ(map->regions.size(), 2u);
   EXPECT_FALSE(loaded_.OwnId(3));

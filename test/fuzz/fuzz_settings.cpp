@@ -49,7 +49,8 @@ void ReadScene(Bytes bytes) {
 /// Puts size and checksum right: nobody guesses eight bytes of a sum.
 void ReadTerraceFile(Bytes bytes) {
   constexpr std::size_t kSizeAt = 16, kSumAt = 24, kHeader = 32;
-  std::vector<std::uint8_t> file = TerraceFileBytes(TerrainMap());
+  // Of a file without views, or with some.
+  std::vector<std::uint8_t> file = TerraceFileBytes(TerrainMap(), std::vector<PlaceView>(bytes.size() % 2));
   file.resize(kHeader);
   file.insert(file.end(), bytes.begin(), bytes.end());
   file.resize((file.size() + 7) / 8 * 8);
@@ -63,7 +64,7 @@ void ReadTerraceFile(Bytes bytes) {
   }
   std::memcpy(file.data() + kSumAt, &sum, sizeof(sum));
   try {
-    MapFromTerraceFile(file, "file");
+    FromTerraceFile(file, "file");
   } catch (const FileError&) {
   }
 }

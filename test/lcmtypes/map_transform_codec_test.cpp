@@ -46,7 +46,7 @@ TEST(MapTransformCodecTest, SendsNoTransformWhereNoneIsKnown) {
 
 TEST(MapTransformCodecTest, RefusesWhatCannotBeMeant) {
   map_transform_v1_t message = ToMessage(Example());
-  message.placing = 3;
+  message.placing = 4;
   EXPECT_FALSE(FromMessage(message));
   message = ToMessage(Example());
   message.cov[5] = std::numeric_limits<double>::quiet_NaN();

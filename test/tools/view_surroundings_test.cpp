@@ -33,19 +33,6 @@ TerrainQuery QueryToFloor() {
                                           {Rectangle(-0.2, -0.2, 0.2, 0.2)})}));
 }
 
-TEST(ViewSurroundingsTest, KnowsWhatLiesOnARegionAndWhatOverItInItsHoleOrBesideIt) {
-  const TerrainQuery query = QueryToFloor();
-  EXPECT_TRUE(IsOnARegion({0.5, 0.5, 0.02}, 0.0, query));
-  EXPECT_TRUE(IsOnARegion({1.02, 0.5, -0.02}, 0.0, query));
-  EXPECT_FALSE(IsOnARegion({0.5, 0.5, 0.04}, 0.0, query));
-  EXPECT_FALSE(IsOnARegion({0.0, 0.0, 0.0}, 0.0, query));
-  EXPECT_FALSE(IsOnARegion({1.1, 0.5, 0.0}, 0.0, query));
-  EXPECT_TRUE(IsOnARegion({1.1, 0.5, 0.0}, 0.08, query));
-  auto rough = MadeRegion(1, TerrainLabel::kWalkway, LevelAt(0.0), Rectangle(-1, -1, 1, 1));
-  rough->rms_m = 0.02;
-  EXPECT_TRUE(IsOnARegion({0.5, 0.5, 0.05}, 0.0, TerrainQuery(MadeMap({rough}))));
-}
-
 TEST(ViewSurroundingsTest, SendsTheCellsThatNoRegionPassesThrough) {
   // On the floor, in the hole, in the air; the last one four leaves wide.
   octree_v1_t message{};

@@ -70,9 +70,11 @@ export class Cameras {
     this.robot = position.clone();
   }
 
-  /// Stands back so far that everything is seen.
-  frame(centre: Vector3, extentM: number): void {
-    const away = new Vector3(-0.62, -0.55, 0.56).multiplyScalar(Math.max(1.5, 0.95 * extentM));
+  /// Stands back so far that everything is seen: nearly all of the ball around it, of which maps fill little.
+  frame(centre: Vector3, diagonalM: number): void {
+    const narrower = Math.min(1, this.perspective.aspect);
+    const backM = (0.45 * diagonalM) / (Math.sin((this.perspective.fov * Math.PI) / 360) * narrower);
+    const away = new Vector3(-0.62, -0.55, 0.56).multiplyScalar(Math.max(1.5, backM));
     this.perspective.position.copy(centre).add(away);
     this.controls.target.copy(centre);
     this.controls.update();

@@ -20,7 +20,8 @@ function edgesInWords(region: Region): [string, string][] {
       if (Number.isFinite(edge.stepM)) steps.push(edge.stepM);
     }));
     if (length === 0) return;
-    const range = steps.length === 0 ? '' : `, ${Math.min(...steps).toFixed(3)} to ${Math.max(...steps).toFixed(3)} m`;
+    const [least, most] = [Math.min(...steps).toFixed(3), Math.max(...steps).toFixed(3)];
+    const range = steps.length === 0 ? '' : `, by ${least === most ? most : `${least} to ${most}`} m`;
     rows.push([name, `${length.toFixed(2)} m${range}`]);
   });
   return rows;
@@ -44,7 +45,7 @@ export function detailRows(region: Region, model: Model): [string, string][] {
     ['flatness', `${(1e3 * m.rms).toFixed(1)} mm rms`],
     ['area', `${m.area.toFixed(3)} m²${m.n_obs > 0 ? `, ${(100 * m.support).toFixed(0)} % observed` : ''}`],
     ['last seen', age < 0.05 ? 'now' : `${age.toFixed(1)} s ago`],
-    ['seen', `${m.n_obs > 0 ? `${m.n_obs} times ` : ''}in ${((region.lastUtime - m.first_utime) * 1e-6).toFixed(1)} s`],
+    ['seen', `${m.n_obs > 0 ? `${m.n_obs} times ` : ''}over ${((region.lastUtime - m.first_utime) * 1e-6).toFixed(1)} s`],
     ['outline', `${region.rings[0].length / 2} corners, ${region.rings.length - 1} holes`],
   );
   const stairs = model.staircases.get(m.staircase_id);

@@ -4,13 +4,15 @@ import { CanvasTexture, LinearFilter, Sprite, SpriteMaterial, Vector3 } from 'th
 
 const PIXELS = 28;
 
-export function textSprite(text: string, at: Vector3, options: { size?: number; ink?: string; paper?: string } = {}): Sprite {
+/// @param options  size: of a line, as a share of the screen's height; stacked: what commas part stands one below the other
+export function textSprite(text: string, at: Vector3, options: { size?: number; ink?: string; paper?: string; stacked?: boolean } = {}): Sprite {
+  const lines = options.stacked ? text.split(', ') : [text];
   const canvas = document.createElement('canvas');
   const context = canvas.getContext('2d')!;
   const font = `600 ${PIXELS}px system-ui, sans-serif`;
   context.font = font;
-  canvas.width = Math.ceil(context.measureText(text).width) + 20;
-  canvas.height = PIXELS + 14;
+  canvas.width = Math.ceil(Math.max(...lines.map((line) => context.measureText(line).width))) + 20;
+  canvas.height = (PIXELS + 14) * lines.length;
   context.font = font;
   context.fillStyle = options.paper ?? 'rgba(20, 24, 32, 0.82)';
   context.beginPath();
@@ -18,11 +20,11 @@ export function textSprite(text: string, at: Vector3, options: { size?: number; 
   context.fill();
   context.fillStyle = options.ink ?? '#ffffff';
   context.textBaseline = 'middle';
-  context.fillText(text, 10, canvas.height / 2 + 1);
+  lines.forEach((line, i) => context.fillText(line, 10, (PIXELS + 14) * (i + 0.5) + 1));
   const map = new CanvasTexture(canvas);
   map.minFilter = LinearFilter;
   const sprite = new Sprite(new SpriteMaterial({ map, depthTest: false, sizeAttenuation: false, transparent: true }));
-  const height = options.size ?? 0.03;
+  const height = (options.size ?? 0.03) * lines.length;
   sprite.scale.set((height * canvas.width) / canvas.height, height, 1);
   sprite.position.copy(at);
   sprite.renderOrder = 10;

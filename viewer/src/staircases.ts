@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Staircases: a number on every step, the dimensions at the foot, an arrow up.
+// Staircases: a number on every step, the dimensions before the foot, an arrow up.
 import { ArrowHelper, Group, Sprite, Vector3 } from 'three';
 import { disposeSprite, textSprite } from './labels';
 import { StaircaseMessage } from './messages';
@@ -15,12 +15,24 @@ export function dimensionsInWords(stairs: StaircaseMessage): string {
     `${stairs.width.toFixed(2)} m wide${turn}`;
 }
 
+/// A tread may be known in pieces: its number stands on the largest of those that were seen, else on the largest.
+function oneOfEachStep(treads: Region[]): Region[] {
+  const best = new Map<string, Region>();
+  for (const tread of treads) {
+    const step = `${tread.message.staircase_id}.${tread.message.step_index}`;
+    const other = best.get(step);
+    const better = !other || (tread.predicted === other.predicted ? tread.message.area > other.message.area : other.predicted);
+    if (better) best.set(step, tread);
+  }
+  return [...best.values()];
+}
+
 export class Staircases {
   readonly group = new Group();
   private made = '';
 
   update(staircases: Map<number, StaircaseMessage>, regions: Map<number, Region>): void {
-    const treads = [...regions.values()].filter((r) => r.label === TREAD && r.message.step_index > 0);
+    const treads = oneOfEachStep([...regions.values()].filter((r) => r.label === TREAD && r.message.step_index > 0));
     const key = JSON.stringify([...staircases.values()]) + treads.map((r) => `${r.id}.${r.message.revision}`).join();
     if (key === this.made) return;
     this.made = key;
@@ -44,7 +56,9 @@ export class Staircases {
     if (up.length() > 0.05) {
       this.group.add(new ArrowHelper(up.clone().normalize(), foot.clone().add(new Vector3(0, 0, 0.12)), up.length(), 0xffffff, 0.16, 0.1));
     }
-    this.group.add(textSprite(dimensionsInWords(stairs), head.add(new Vector3(0, 0, 0.45)), { size: 0.032 }));
+    // On the way to it, where the words hide no step from above either.
+    const before = vectorOf(stairs.direction_up).multiplyScalar(-0.5).add(foot).add(new Vector3(0, 0, 0.05));
+    this.group.add(textSprite(dimensionsInWords(stairs), before, { size: 0.024, stacked: true }));
   }
 
   private clear(): void {

@@ -220,8 +220,8 @@ export class View3d {
   }
 
   frameAll(): void {
-    const { centre, sizeM } = this.extent();
-    this.cameras.frame(centre, sizeM);
+    const { centre, low, high } = this.extent();
+    this.cameras.frame(centre, low.distanceTo(high));
     this.framed = true;
   }
 

@@ -28,4 +28,7 @@ def __getattr__(name):
     if name in ("TerrainQuery", "FootSpec", "Support", "Foothold", "HeightGrid", "Clearance"):
         from . import query
         return getattr(query, name)
+    if name == "OccupiedSpace":
+        from . import space
+        return space.OccupiedSpace
     raise AttributeError(f"module 'terrace' has no attribute '{name}'")

@@ -57,7 +57,7 @@ def region_of(pieces):
     label = LABELS[first.label] if 0 <= first.label < len(LABELS) else "unknown"
     return Region(
         id=first.id, revision=first.revision, label=label, confidence=first.confidence, normal=normal,
-        origin=tuple(first.origin), rings=rings, edges=edges, area_m2=first.area, source=SOURCES[first.source],
+        origin=tuple(first.origin), rings=rings, edges=edges, area_m2=first.area, rms_m=first.rms, source=SOURCES[first.source],
         plane_cov=plane_cov, axes=(x_axis, y_axis), why=first.why,
         first_seen_ns=1000 * first.first_utime, last_seen_ns=1000 * first.last_utime,
         staircase_id=first.staircase_id or None, step_index=first.step_index or None)

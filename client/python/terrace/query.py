@@ -54,10 +54,10 @@ class Foothold:
 @dataclasses.dataclass(frozen=True)
 class Clearance:
     """How far a capsule is from all that is known."""
-    distance_m: float  #: from its surface to the nearest face; negative: to be moved by so much; inf: there is no face
-    gradient: np.ndarray  #: (3,) unit, world: the way in which a move takes it away from that face; zero: there is none
-    region_id: int  #: of that face; 0: there is none
-    occupancy: str  #: "free" (over seen ground; what hangs there unseen is not known), "occupied" or "unknown"
+    distance_m: float  #: from its surface to the nearest face or leaf; negative: to be moved by so much; inf: there is none
+    gradient: np.ndarray  #: (3,) unit, world: the way in which a move takes it away from that; zero: there is none
+    region_id: int  #: of the nearest face; 0: a leaf is nearer, or there is none
+    occupancy: str  #: "free" (only where the octree was asked, over seen ground), "occupied" or "unknown"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -207,9 +207,15 @@ class TerrainQuery:
             grid.region_id[at] = region_id
         return grid
 
-    def capsule_clearance(self, a, b, radius_m, labels=None):
+    def regions_near(self, point, distance_m):
+        """Ids of the regions whose boxes come within the distance of a point, ascending."""
+        to_box = np.maximum(0.0, np.maximum(self._low - point, point - self._high))
+        return [int(i) for i in self._ids[np.linalg.norm(to_box, axis=1) <= distance_m]]
+
+    def capsule_clearance(self, a, b, radius_m, labels=None, space=None):
         """How far all points within radius_m of the segment from a to b (a leg, a body) are from the faces of regions with
-        one of the labels (None: all): a Clearance."""
+        one of the labels (None: all), and from what else takes up space: a Clearance. `space` is the OccupiedSpace around
+        there; None: nobody has asked the octree, and nothing is called free."""
         a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
         best = (math.inf, np.zeros(3), 0, False)
         low, high = np.minimum(a, b), np.maximum(a, b)
@@ -223,9 +229,14 @@ class TerrainQuery:
             axis_m, away, from_behind = _approach(self._shapes[region_id], a, b)
             if axis_m < best[0]:
                 best = (axis_m, away, region_id, from_behind)
+        from_behind = best[3]
+        if space is not None:
+            leaf_m, away = space.nearest_to(a, b)
+            best = (leaf_m, away, 0) if leaf_m < best[0] else best
         distance = best[0] - radius_m
         occupancy = "occupied" if distance <= 0.0 else "unknown"
-        if distance > 0.0 and not best[3] and self._over_seen_ground(a, b):
+        if distance > 0.0 and space is not None and space.has_been_asked(a, b, radius_m) and not from_behind \
+                and self._over_seen_ground(a, b):
             occupancy = "free"
         return Clearance(distance, best[1], best[2], occupancy)
 

@@ -15,7 +15,7 @@ def _region(value):
     off = sum(n * m for n, m in zip(normal, middle)) - value["offset_m"]
     return Region(
         id=value["id"], revision=value["revision"], label=value["label"], confidence=value["confidence"], normal=normal,
-        origin=tuple(m - off * n for m, n in zip(middle, normal)), rings=rings, edges=edges, area_m2=value["area_m2"],
+        origin=tuple(m - off * n for m, n in zip(middle, normal)), rings=rings, edges=edges, area_m2=value["area_m2"], rms_m=value["rms_m"],
         source="predicted" if value["predicted"] else "seen", axes=axes_of(normal), why=value.get("why", ""),
         first_seen_ns=value["first_seen_ns"], last_seen_ns=value["last_seen_ns"], staircase_id=value["staircase"],
         step_index=value["step_index"])

@@ -6,7 +6,7 @@ import struct
 
 from .terrain import EDGE_KINDS, LABELS, SOURCES, Edge, Region, Staircase, Terrain, axes_of
 
-_MAGIC, _VERSION = b"TERRACE\0", 1
+_MAGIC, _WITHOUT_VIEWS, _WITH_VIEWS = b"TERRACE\0", 1, 2
 _HEADER_BYTES, _CHECKSUM_AT = 32, 24
 
 
@@ -71,12 +71,13 @@ def _head(reader, size):
         reader.fail("this is no .terrace file")
     reader.at = 8
     version, zero, told_size, checksum = reader.take("IIQQ")
-    if version != _VERSION or zero != 0:
-        reader.fail(f"is of version {version}, only {_VERSION} is known")
+    if version not in (_WITHOUT_VIEWS, _WITH_VIEWS) or zero != 0:
+        reader.fail(f"is of version {version}, only 1 and 2 are known")
     if told_size != size or size % 8 != 0:
         reader.fail(f"the file has {size} bytes, must have {told_size}")
     if checksum != _checksum(reader.data):
         reader.fail("the checksum differs: the file is damaged")
+    return version
 
 
 def _staircase(reader):
@@ -108,7 +109,7 @@ def _region(reader):
     normal, offset = reader.take("3d"), reader.take("d")
     cov = reader.take("9d")
     centroid = reader.take("3d")
-    _, area, _ = reader.take("3d")
+    rms, area, _ = reader.take("3d")
     reader.take("i")  # number of observations
     first_seen, last_seen = reader.take("qq")
     on_staircase, staircase_id = reader.take("bq")
@@ -120,7 +121,7 @@ def _region(reader):
     return Region(
         id=number, revision=revision, label=label, confidence=confidence, normal=normal,
         origin=tuple(c - off * n for c, n in zip(centroid, normal)), rings=tuple(rings),
-        edges=_edges(reader, sum(map(len, rings))), area_m2=area, source=source,
+        edges=_edges(reader, sum(map(len, rings))), area_m2=area, rms_m=rms, source=source,
         plane_cov=(cov[0:3], cov[3:6], cov[6:9]) if known else None, axes=axes_of(normal), why=why,
         first_seen_ns=first_seen, last_seen_ns=last_seen, staircase_id=staircase_id if on_staircase else None,
         step_index=step_index if is_step else None)
@@ -131,7 +132,7 @@ def load_terrace(path):
     ValueError with the place and the reason when it is damaged or no such file."""
     data = pathlib.Path(path).read_bytes()
     reader = _Reader(data, str(path))
-    _head(reader, len(data))
+    version = _head(reader, len(data))
     t_capture, seq, map_id, _epoch = reader.take("qqqi")
     T_world_left = reader.take("16d")  # column after column
     reader.take("36d")  # its covariance
@@ -141,6 +142,11 @@ def load_terrace(path):
     reader.take("db")  # sigma and source
     staircases = {s.id: s for s in (_staircase(reader) for _ in range(reader.count(200)))}
     regions = {r.id: r for r in (_region(reader) for _ in range(reader.count(200)))}
+    if version == _WITH_VIEWS:  # by which the daemon recognises places
+        for _ in range(reader.count(140)):
+            reader.take("q16d")
+            num_corners = reader.count(56)
+            reader.at += 56 * num_corners
     if len(data) - reader.at >= 8:
-        reader.fail("there is more behind the last region")
+        reader.fail("there is more behind the last item")
     return Terrain(t_capture, map_id, seq, regions, staircases, gravity, T_world_left[12:15])

@@ -37,6 +37,7 @@ class Region:
     rings: Tuple[Tuple[Vector, ...], ...]  #: outline counter-clockwise seen from the normal, then holes [m], world
     edges: Tuple[Edge, ...]  #: one for each vertex, ring after ring: the edge that starts there
     area_m2: float
+    rms_m: float = 0.0  #: of what was seen, about the plane
     source: str = "seen"  #: one of SOURCES
     plane_cov: Optional[Tuple[Vector, Vector, Vector]] = None  #: tilts [rad] and offset [m] about origin; None: not known
     axes: Optional[Tuple[Vector, Vector]] = None  #: x and y of the plane frame that plane_cov is in

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/ot_cells.h"
+#include "client/ot_cells.h"
 
 #include <algorithm>
 #include <cmath>
