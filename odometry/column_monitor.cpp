@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kOff_px = 0.7;
 constexpr double kOffSigmas = 6.0;
-constexpr double kKnown_px = 0.3;
 /// One landmark's errors resemble its neighbours', as in the pose's covariance; and those of one frame are
 /// those of the next, so that what frames know is not summed up, and what is known wears off.
 constexpr double kAlikeFrames = 4.5, kKeptOfOld = 0.9;
@@ -73,7 +72,7 @@ std::optional<std::string> ColumnMonitor::Update(const Window& window, const std
   const double off = std::abs(offset_px_), sigma = sigma_px();
   const bool seems_off = is_off_ ? off + 2.0 * sigma > kOff_px : off > kOff_px && off > kOffSigmas * sigma;
   const bool was_off = std::exchange(is_off_, seems_off);
-  was_right_ = was_right_ || (!is_off_ && sigma < kKnown_px);
+  was_right_ = was_right_ || (!is_off_ && off + 2.0 * sigma < kOff_px);
   if (was_off == is_off_) return std::nullopt;
   return is_off_ ? Reason() : "the columns of the right image are where they should be again";
 }
