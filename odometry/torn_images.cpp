@@ -28,13 +28,23 @@ bool Seen(const Landmark& landmark, const Window& window, const StereoCamera& ca
   return true;
 }
 
+/// Whether a landmark is seen, and in another place than from where the camera was before.
+/// @param before  its pixel there
+bool HasMoved(const Landmark& landmark, const Window& window, const StereoCamera& camera,
+              const Eigen::Isometry3d& T_world_left, const Eigen::Isometry3d& T_world_before,
+              Eigen::Vector2d* now, Eigen::Vector2d* before) {
+  return Seen(landmark, window, camera, T_world_left, now) &&
+         Seen(landmark, window, camera, T_world_before, before) && (*now - *before).norm() >= kMoved_px;
+}
+
 }  // namespace
 
 void TornImages::See(const Window& window, const ImagePyramid& left, const ImagePyramid& right,
                      const PoseFinder::Found& found, const Eigen::Isometry3d& T_world_before) {
   const Part part = StrangePart(window, found, T_world_before);
-  torn_ = lasting_.Update(part.end_row > part.first_row &&
-                          ShowsTheMomentBefore(part, window, left, right, T_world_before));
+  torn_ = lasting_.Update(
+      part.end_row > part.first_row &&
+      ShowsTheMomentBefore(part, window, left, right, found.solution.T_world_left, T_world_before));
 }
 
 TornImages::Part TornImages::StrangePart(const Window& window, const PoseFinder::Found& found,
@@ -46,8 +56,7 @@ TornImages::Part TornImages::StrangePart(const Window& window, const PoseFinder:
   for (const int index : found.tried) {
     const Landmark& landmark = window.landmarks[static_cast<std::size_t>(index)];
     Eigen::Vector2d now, before;
-    if (!Seen(landmark, window, camera_, found.solution.T_world_left, &now) ||
-        !Seen(landmark, window, camera_, T_world_before, &before) || (now - before).norm() < kMoved_px)
+    if (!HasMoved(landmark, window, camera_, found.solution.T_world_left, T_world_before, &now, &before))
       continue;
     const auto strip = std::clamp(static_cast<int>(kNumStrips * now.y() / camera_.height), 0, kNumStrips - 1);
     for (int edge = strip + 1; edge <= kNumStrips; ++edge) {
@@ -73,20 +82,22 @@ TornImages::Part TornImages::StrangePart(const Window& window, const PoseFinder:
 }
 
 bool TornImages::ShowsTheMomentBefore(const Part& part, const Window& window, const ImagePyramid& left,
-                                      const ImagePyramid& right,
+                                      const ImagePyramid& right, const Eigen::Isometry3d& T_world_left,
                                       const Eigen::Isometry3d& T_world_before) const {
+  // What is far away is where it was in either moment.
+  const auto has_moved = [&](int index) {
+    Eigen::Vector2d now, before;
+    return HasMoved(window.landmarks[static_cast<std::size_t>(index)], window, camera_, T_world_left,
+                    T_world_before, &now, &before) &&
+           part.Holds(before.y());
+  };
   const Matches matches = tracker_.Track(window, left, right, T_world_before, 0.0, {1, 0, 2, false});
-  int num_tried = 0, num_there = 0;
-  for (const int index : matches.tried) {
-    Eigen::Vector2d pixel;
-    const Landmark& landmark = window.landmarks[static_cast<std::size_t>(index)];
-    num_tried += Seen(landmark, window, camera_, T_world_before, &pixel) && part.Holds(pixel.y());
-  }
-  for (const Match& match : matches.found) {
-    const Eigen::Vector2d expected = match.predicted.uvd.head<2>();
-    num_there += part.Holds(expected.y()) && (match.measurement.uvd.head<2>() - expected).norm() < kThere_px;
-  }
-  return num_there >= kFewest && num_there > kMost * num_tried;
+  const auto num_tried = std::count_if(matches.tried.begin(), matches.tried.end(), has_moved);
+  const auto num_there = std::count_if(matches.found.begin(), matches.found.end(), [&](const Match& match) {
+    const Eigen::Vector2d off = match.measurement.uvd.head<2>() - match.predicted.uvd.head<2>();
+    return off.norm() < kThere_px && has_moved(match.landmark);
+  });
+  return num_there >= kFewest && static_cast<double>(num_there) > kMost * static_cast<double>(num_tried);
 }
 
 }  // namespace terrace

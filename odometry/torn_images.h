@@ -35,7 +35,8 @@ class TornImages {
   Part StrangePart(const Window& window, const PoseFinder::Found& found,
                    const Eigen::Isometry3d& T_world_before) const;
   bool ShowsTheMomentBefore(const Part& part, const Window& window, const ImagePyramid& left,
-                            const ImagePyramid& right, const Eigen::Isometry3d& T_world_before) const;
+                            const ImagePyramid& right, const Eigen::Isometry3d& T_world_left,
+                            const Eigen::Isometry3d& T_world_before) const;
 
   StereoCamera camera_;
   LandmarkTracker tracker_;
