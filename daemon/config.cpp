@@ -252,13 +252,9 @@ class Loader {
   void Finish() {
     for (const auto& [section, problem] : binding_.Problems()) {
       const std::string name = problem.substr(0, problem.find(' '));
-      std::string rule = problem.substr(name.size());
-      // The value is part of every complaint, whether the stage names it or not.
-      const Key* key = binding_.Find(section, name);
-      if (key != nullptr && rule.rfind(" = ", 0) != 0) rule = " = " + key->print() + rule;
       const auto origin = origins_.find(section + "." + name);
       problems_.push_back((origin == origins_.end() ? "default" : origin->second) + ": " + section + "." +
-                          name + rule);
+                          problem);
     }
     if (problems_.empty()) return;
     std::string text;

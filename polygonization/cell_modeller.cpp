@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/check.h"
+#include "core/field_problems.h"
 #include "core/parallel_for.h"
 #include "polygonization/cell_fit.h"
 
@@ -21,18 +22,16 @@ std::uint64_t SeedOf(const CellKey& key) {
 }  // namespace
 
 std::vector<std::string> ModellingConfig::Problems() const {
-  std::vector<std::string> problems;
-  if (!(inlier_distance_m > 0.0)) problems.push_back("inlier_distance_m must be above 0");
-  if (!(max_inlier_distance_m >= inlier_distance_m))
-    problems.push_back("max_inlier_distance_m must be at least inlier_distance_m");
-  if (!(max_rms_share > 0.0 && max_rms_share <= 1.0))
-    problems.push_back("max_rms_share must be above 0 and at most 1");
-  if (!(min_patch_area_m2 >= 0.0)) problems.push_back("min_patch_area_m2 must not be negative");
-  if (max_planes < 1 || max_planes > 100) problems.push_back("max_planes must be between 1 and 100");
-  if (num_hypotheses < 1 || num_hypotheses > 10000)
-    problems.push_back("num_hypotheses must be between 1 and 10000");
-  if (num_pretest < 3) problems.push_back("num_pretest must be at least 3");
-  return problems;
+  FieldProblems problems;
+  problems.RequireAbove("inlier_distance_m", inlier_distance_m, 0.0);
+  problems.Require(max_inlier_distance_m >= inlier_distance_m, "max_inlier_distance_m", max_inlier_distance_m,
+                   "be at least inlier_distance_m");
+  problems.RequireUpTo("max_rms_share", max_rms_share, 0.0, 1.0);
+  problems.RequireAtLeast("min_patch_area_m2", min_patch_area_m2, 0.0);
+  problems.RequireWithin("max_planes", max_planes, 1, 100);
+  problems.RequireWithin("num_hypotheses", num_hypotheses, 1, 10000);
+  problems.RequireAtLeast("num_pretest", num_pretest, 3);
+  return problems.Take();
 }
 
 CellModeller::CellModeller(const ModellingConfig& config) : config_(config) {
