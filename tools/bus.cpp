@@ -11,6 +11,12 @@
 
 namespace terrace {
 
+void AddChannelOptions(CLI::App* command, BusOptions* options) {
+  command->add_option("--config", options->config_file, "the daemon's configuration: the channels of a log");
+  command->add_option("--set", options->settings, "overrides one key of it: channels.images=NAME")
+      ->allow_extra_args(false);
+}
+
 void AddBusOptions(CLI::App* command, BusOptions* options) {
   command->add_option("--config", options->config_file,
                       "the daemon's configuration: its address and channels");

@@ -21,6 +21,9 @@ struct BusOptions {
   std::string url;
 };
 
+/// --config and --set of a subcommand that reads logs, whose channels they name.
+void AddChannelOptions(CLI::App* command, BusOptions* options);
+
 /// --config, --set and --url of a subcommand that speaks with a daemon.
 void AddBusOptions(CLI::App* command, BusOptions* options);
 

@@ -21,6 +21,7 @@
 #include "datasets/rig_file.h"
 #include "datasets/sequence.h"
 #include "stereo/rectifier.h"
+#include "tools/bus.h"
 #include "tools/calibration_check.h"
 #include "tools/commands.h"
 
@@ -30,6 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CalibrationOptions {
+  BusOptions channels;
   std::vector<fs::path> files;
   fs::path output;
   bool overwrite = false;
@@ -128,7 +130,7 @@ void WriteRig(const CalibrationOptions& options, const StereoCalibration& rig) {
 RigReading ReadFilesOrSequence(const CalibrationOptions& options) {
   if (options.files.size() == 1 && !fs::is_directory(options.files[0] / "mav0")) {
     if (RecogniseSequence(options.files[0])) {
-      const auto sequence = OpenSequence(options.files[0]);
+      const auto sequence = OpenSequence(options.files[0], ConfigOf(options.channels).channels);
       RigReading reading;
       reading.format = Name(sequence->info().kind);
       reading.rig = sequence->info().calibration;
@@ -191,7 +193,7 @@ void PrintDelay(const PairDelay& delay) {
 
 /// Epipolar errors of a recording under a calibration.
 void CheckRows(const CalibrationOptions& options, const StereoCalibration& rig) {
-  const auto sequence = OpenSequence(options.check);
+  const auto sequence = OpenSequence(options.check, ConfigOf(options.channels).channels);
   const SequenceInfo& info = sequence->info();
   if (info.calibration.width != rig.width || info.calibration.height != rig.height)
     throw SequenceError(options.check.string() + ": its images have another size than the calibration");
@@ -248,6 +250,7 @@ void AddCalibrationCommand(CLI::App& app) {
   command->add_option(
       "--check", options->check,
       "a recording whose images are searched for rows that are off; without FILE, under its own calibration");
+  AddChannelOptions(command, &options->channels);
   command->add_option("--picture", options->picture,
                       "with --check: the points and what their rows are off by");
   command->add_option("--size", options->size, "of the images, as 640x480, where files leave it open");

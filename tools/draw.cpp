@@ -16,6 +16,7 @@
 #include "core/file_bytes.h"
 #include "lcmtypes/safe_decode.h"
 #include "results/replay_result.h"
+#include "tools/bus.h"
 #include "tools/commands.h"
 #include "tools/rectified_frames.h"
 #include "tools/terrain_picture.h"
@@ -24,6 +25,7 @@ namespace terrace {
 namespace {
 
 struct DrawOptions {
+  BusOptions channels;
   std::string result;
   std::string sequence;
   std::string picture;
@@ -51,7 +53,7 @@ StereoFrame FindFrame(const DrawOptions& options, const StereoCamera& camera,
   const std::int64_t wanted_ns = options.time_ns >= 0 ? options.time_ns : last_ns;
   std::optional<StereoFrame> found;
   ForRectifiedFrames(
-      options.sequence, options.calibration, camera,
+      options.sequence, ConfigOf(options.channels).channels, options.calibration, camera,
       [&](const SensorFrame& frame) {
         return options.frame >= 0 ? frame.frame_id == options.frame : frame.pair.t_capture.ns == wanted_ns;
       },
@@ -109,6 +111,7 @@ void AddDrawCommand(CLI::App& app) {
   command->add_option("--footsteps", options->footsteps,
                       "a plan to draw on the ground: the bytes of a footstep_plan_v1_t, as terrace_footsteps "
                       "leaves them in PLAN.footsteps");
+  AddChannelOptions(command, &options->channels);
   command->add_option("--calibration", options->calibration, "the files that the replay was given, if it was")
       ->delimiter(',')
       ->allow_extra_args(false);

@@ -34,10 +34,11 @@ ReplayedRectifier RectifierOf(const StereoCalibration& calibration, const Stereo
 
 }  // namespace
 
-void ForRectifiedFrames(const std::filesystem::path& path, const std::vector<std::filesystem::path>& files,
-                        const StereoCamera& camera, const std::function<bool(const SensorFrame&)>& wanted,
+void ForRectifiedFrames(const std::filesystem::path& path, const ChannelConfig& channels,
+                        const std::vector<std::filesystem::path>& files, const StereoCamera& camera,
+                        const std::function<bool(const SensorFrame&)>& wanted,
                         const std::function<bool(const StereoFrame&)>& use) {
-  const auto sequence = OpenSequence(path);
+  const auto sequence = OpenSequence(path, channels);
   StereoCalibration calibration = sequence->info().calibration;
   if (!files.empty()) {
     RigOptions rig_options;

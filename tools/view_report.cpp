@@ -73,7 +73,7 @@ ReportImages CollectImages(const ReplayResult& result, const ReportSource& sourc
   const Timestamp t_first = result.frames.empty() ? Timestamp{} : result.frames.front().t_capture;
   ReportImages images;
   ForRectifiedFrames(
-      source.sequence, source.calibration, result.camera.camera,
+      source.sequence, {}, source.calibration, result.camera.camera,
       [&](const SensorFrame& frame) { return missing.contains(frame.pair.t_capture); },
       [&](const StereoFrame& frame) {
         const Timestamp t = frame.t_capture;

@@ -169,6 +169,20 @@ def check_with_input(terrace, log, folder):
     assert code == FAILED and "no_images" in page and "imu_silent" in page, page
 
 
+def check_other_channels(terrace, terraced, log, folder):
+    """A robot's log with names of its own is read by every tool that reads logs."""
+    own, result = f"{folder}/own.lcmlog", f"{folder}/own"
+    content = pathlib.Path(log).read_bytes()
+    pathlib.Path(own).write_bytes(content.replace(b"TERRACE_IMAGES", b"WALKERS_IMAGES"))
+    names = ["--set", "channels.images=WALKERS_IMAGES"]
+    subprocess.run([terraced, "replay", own, "--output", result, *names], check=True, capture_output=True)
+    for command in (["draw", result, own, f"{folder}/own.png"], ["calibration", "--check", own]):
+        code, _, complaint = terrace.run(*command)
+        assert code != DONE and "TERRACE_IMAGES" in complaint, (command, code, complaint)
+        code, said, complaint = terrace.run(*command, *names)
+        assert code == DONE, (command, code, said, complaint)
+
+
 def main():
     enter_namespace(["lcm-logplayer"])
     terraced, program, tiny_log, example, python_dir = sys.argv[1:6]
@@ -179,6 +193,7 @@ def main():
         check_camera(terrace, folder)
         log = f"{folder}/tiny.lcmlog"
         subprocess.run([tiny_log, log, "12"], check=True)
+        check_other_channels(terrace, terraced, log, folder)
         daemon = subprocess.Popen([terraced, "--set", f"lcm.url={URL}", "--set", f"lcm.save_folder={folder}"],
                                   stderr=subprocess.PIPE, text=True)
         try:
