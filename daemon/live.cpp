@@ -62,6 +62,7 @@ struct LiveMapper {
       : run(config.pipeline, calibration, Pace::kNewest, false),
         publisher(lcm, config.channels, run.pipeline().T_body_left(), config.live.snapshot_period_s),
         loaded_map_publisher(lcm, config.channels, config.live.snapshot_period_s) {
+    run.KeepViews();
     run.Add(std::make_unique<WarningLog>());
     run.Add(std::make_unique<PublisherSink>(&publisher));
     run.Add(std::make_unique<RequestSink>(desk, &run.pipeline(), &publisher));

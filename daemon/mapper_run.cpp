@@ -126,7 +126,7 @@ void MapperRun::KeepView(const FrameResult& result) {
   const std::lock_guard lock(mutex_);
   const TerrainMap& own = *result.change.map;
   if (std::exchange(views_map_id_, own.map_id) != own.map_id) views_.Clear();
-  if (result.frame && result.pose.trusted && result.pose.reason.empty())
+  if (keeps_views_ && result.frame && result.pose.trusted && result.pose.reason.empty())
     views_.Add(*result.frame, result.pose);
 }
 

@@ -41,6 +41,10 @@ class MapperRun {
     return added;
   }
 
+  /// Keeps views by which places are recognised, for saved_map(): a few milliseconds for each new place.
+  /// Before the first frame.
+  void KeepViews() { keeps_views_ = true; }
+
   /// Hands a frame over. False when a stage has failed: Finish() throws why.
   bool Push(SensorFrame sensors);
   /// Waits for what is under way and ends the sinks. Throws what a stage threw.
@@ -49,8 +53,8 @@ class MapperRun {
 
   /// As the last frame left it; null before the first one. From any thread.
   TerrainMapPtr map() const;
-  /// The same, with the views by which its places can be recognised; without a map before the first frame.
-  /// From any thread.
+  /// The same, with the views by which its places can be recognised, where they are kept; without a map
+  /// before the first frame. From any thread.
   SavedMap saved_map() const;
   /// Why the region or staircase of map() with this id is what it is. From any thread.
   Explanations Explain(std::int64_t id) const;
@@ -71,6 +75,7 @@ class MapperRun {
   FrameId next_frame_id_ = 0;  // of a single thread
   mutable std::mutex mutex_;
   TerrainMapPtr map_;
+  bool keeps_views_ = false;
   ViewKeeper views_;
   std::int64_t views_map_id_ = 0;            // of the mapper's own map
   std::optional<ThreadedPipeline> threads_;  // last: its threads use everything above

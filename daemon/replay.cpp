@@ -176,6 +176,7 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   if (!config.live.load_map.empty())
     run.loaded_map().Load(LoadTerraceFile(config.live.load_map), config.live.load_map,
                           BodyInMapFrom(config.live.map_pose));
+  if (!options.save_map.empty()) run.KeepViews();
   PrepareOutputFolder(options.output, options.overwrite);
   run.Add(std::make_unique<WarningLog>());
   if (!options.publish_url.empty())

@@ -13,6 +13,8 @@ namespace {
 
 // Fewer corners recognise nothing.
 constexpr std::size_t kMinCorners = 40;
+/// Frames after which a place that showed fewer is tried again: describing corners costs as much as tracking.
+constexpr int kPatience = 10;
 
 }  // namespace
 
@@ -26,13 +28,20 @@ bool AreNeighbours(const Eigen::Isometry3d& T_world_left_a, const Eigen::Isometr
 void ViewKeeper::Add(const StereoFrame& frame, const PoseEstimate& pose) {
   for (const PlaceView& view : views_)
     if (AreNeighbours(view.T_world_left, pose.T_world_left)) return;
+  if (frames_to_wait_ > 0) {
+    --frames_to_wait_;
+    return;
+  }
   PlaceView view;
   view.t_capture = pose.t_capture;
   view.T_world_left = pose.T_world_left;
   for (const DescribedFeature& feature : DescribeFrame(frame, camera_, pose.vertical_disparity_px))
     view.corners.push_back(
         {camera_.Triangulate(feature.uvd.x(), feature.uvd.y(), feature.uvd.z()), feature.descriptor});
-  if (view.corners.size() < kMinCorners) return;
+  if (view.corners.size() < kMinCorners) {
+    frames_to_wait_ = kPatience;
+    return;
+  }
   views_.push_back(std::move(view));
   if (views_.size() <= max_views_) return;
   // Every second one of the older half goes: the past stays covered, only less densely.

@@ -29,6 +29,7 @@ class ViewKeeper {
   StereoCamera camera_;
   std::size_t max_views_;
   std::vector<PlaceView> views_;
+  int frames_to_wait_ = 0;
 };
 
 /// Whether one camera sees what the other one does, from nearly the same place.

@@ -41,6 +41,18 @@ TEST(ViewKeeperTest, KeepsNothingOfABlankImage) {
   EXPECT_TRUE(keeper.views().empty());
 }
 
+TEST(ViewKeeperTest, TriesAPlaceThatShowedNothingAgainAfterSomeFrames) {
+  ViewKeeper keeper(kVgaCamera);
+  const StereoFrame frame = TexturedWall({0.0, 0.0});
+  StereoFrame blank = frame;
+  blank.left = cv::Mat1b(frame.left.size(), std::uint8_t{90});
+  keeper.Add(blank, PoseBeside(0.0));
+  keeper.Add(frame, PoseBeside(0.0));
+  EXPECT_TRUE(keeper.views().empty());
+  for (int i = 0; i < 20; ++i) keeper.Add(frame, PoseBeside(0.0));
+  EXPECT_EQ(keeper.views().size(), 1u);
+}
+
 TEST(ViewKeeperTest, StaysBoundedAndKeepsTheFirstAndTheNewest) {
   ViewKeeper keeper(kVgaCamera, 6);
   const StereoFrame frame = TexturedWall({0.0, 0.0});
