@@ -26,7 +26,7 @@ constexpr double kPriorDelay_s = 0.2, kPriorShift_px = 3.0, kPriorAngle_rad = 0.
 
 /// As far as disparities of a robot in a hurry bear it: at 1 rad/s, 3 ms are a pixel of most lenses.
 constexpr double kOff_s = 0.003;
-constexpr double kOffSigmas = 6.0;
+constexpr double kDelayedSigmas = 6.0;
 
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -70,7 +70,7 @@ std::optional<std::string> DelayMonitor::Update(const Window& window, const std:
   // It takes evidence to be off, and evidence to be right again: not to know is neither.
   const double off = std::abs(delay_s_);
   const bool was_off = is_off_;
-  is_off_ = is_off_ ? off + 2.0 * sigma_s_ > kOff_s : off > kOff_s && off > kOffSigmas * sigma_s_;
+  is_off_ = is_off_ ? off + 2.0 * sigma_s_ > kOff_s : off > kOff_s && off > kDelayedSigmas * sigma_s_;
   was_right_ = was_right_ || (!is_off_ && off + 2.0 * sigma_s_ < kOff_s);
   if (was_off == is_off_) return std::nullopt;
   return is_off_ ? Reason() : "the two images are of one moment again";

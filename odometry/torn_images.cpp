@@ -12,7 +12,7 @@ namespace {
 
 /// Rows where the image may be torn: the edges of so many strips.
 constexpr int kNumStrips = 12;
-constexpr int kFewest = 10;  // landmarks of a part
+constexpr int kFewestOfPart = 10;  // landmarks of a part
 /// Shares of a part's landmarks that are where they should be.
 constexpr double kFew = 0.25, kMost = 0.5;
 /// What moves less may be found from where it was.
@@ -68,7 +68,7 @@ TornImages::Part TornImages::StrangePart(const Window& window, const PoseFinder:
   double clearest = kMost - kFew;
   for (std::size_t edge = 1; edge < kNumStrips; ++edge) {
     const int above = num[edge], below = num.back() - num[edge];
-    if (above < kFewest || below < kFewest) continue;
+    if (above < kFewestOfPart || below < kFewestOfPart) continue;
     const double share_above = static_cast<double>(num_agreeing[edge]) / above,
                  share_below = static_cast<double>(num_agreeing.back() - num_agreeing[edge]) / below;
     const bool apart =
@@ -97,7 +97,8 @@ bool TornImages::ShowsTheMomentBefore(const Part& part, const Window& window, co
     const Eigen::Vector2d off = match.measurement.uvd.head<2>() - match.predicted.uvd.head<2>();
     return off.norm() < kThere_px && has_moved(match.landmark);
   });
-  return num_there >= kFewest && static_cast<double>(num_there) > kMost * static_cast<double>(num_tried);
+  return num_there >= kFewestOfPart &&
+         static_cast<double>(num_there) > kMost * static_cast<double>(num_tried);
 }
 
 }  // namespace terrace
