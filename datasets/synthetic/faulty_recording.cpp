@@ -120,6 +120,8 @@ void WriteTrueTimes(const FaultyRecording& recording, const fs::path& file) {
     constexpr std::int64_t kRounding_ns = 1000;
     const auto pose = poses.lower_bound(image.t_true.ns - kRounding_ns);
     if (pose == poses.end() || pose->first > image.t_true.ns + kRounding_ns) continue;
+    // Of images with the same time stamp all but the first are left out.
+    if (lines.contains(image.t.ns)) continue;
     lines[image.t.ns] = Printed("%lld.%09lld", static_cast<long long>(image.t.ns / 1'000'000'000),
                                 static_cast<long long>(image.t.ns % 1'000'000'000)) +
                         pose->second + "\n";

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/synthetic/fault.h"
 
+#include <fstream>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "core/file_bytes.h"
+#include "core/print.h"
 #include "datasets/sequence.h"
 #include "test/datasets/temporary_folder.h"
 #include "test/datasets/tiny_euroc.h"
@@ -77,6 +80,22 @@ TEST_F(FaultTest, EveryFaultChangesSomethingAndAlwaysTheSame) {
 
 TEST_F(FaultTest, TheStrengthCounts) {
   EXPECT_NE(EveryByteOf(Damaged("rows_off:2")), EveryByteOf(Damaged("rows_off:3")));
+}
+
+TEST_F(FaultTest, TheTruthOfARepeatedTimeStampIsThatOfTheFirstImageWithIt) {
+  FaultyRecording recording = ReadRecording(Source());
+  std::string truth;
+  for (std::size_t i = 0; i < recording.left.size(); ++i)
+    truth += Printed("%.9f %zu 0 0 0 0 0 1\n", 1e-9 * static_cast<double>(recording.left[i].t.ns), i);
+  std::ofstream(Source() / "groundtruth_tum.txt") << truth;
+  recording.left[5].t = recording.left[4].t;
+  const fs::path out = folder_.path() / "out";
+  fs::create_directories(out);
+  WriteRecording(recording, out);
+  const std::string written = ReadTextFile(out / "groundtruth_tum.txt");
+  EXPECT_NE(written.find(" 4 0 0 0"), std::string::npos) << written;
+  EXPECT_EQ(written.find(" 5 0 0 0"), std::string::npos) << written;
+  EXPECT_NE(written.find(" 6 0 0 0"), std::string::npos) << written;
 }
 
 TEST_F(FaultTest, RefusesWhatCannotHappen) {
