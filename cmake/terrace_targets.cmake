@@ -28,11 +28,16 @@ function(terrace_library name)
                                                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(terrace_${name} PUBLIC cxx_std_20)
   target_link_libraries(terrace_${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:terrace::options> ${ARG_PRIVATE})
+  if(TERRACE_FUZZ)
+    # libFuzzer follows which branches its bytes reach in what reads them; folders that compute read nothing.
+    target_compile_options(terrace_${name} PRIVATE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:terrace_computes>>>:-fsanitize=fuzzer-no-link>)
+  endif()
 endfunction()
 
 # terrace_computes(NAME): a folder in which frames spend their time. Short loops of known length are unrolled, simple ones
 # turned into vectors; nobody asks for floating-point traps or for errno after a square root.
 function(terrace_computes name)
+  set_target_properties(terrace_${name} PROPERTIES terrace_computes ON)
   target_compile_options(terrace_${name} PRIVATE "$<$<CONFIG:Release>:-O3;-fno-trapping-math;-fno-math-errno>")
 endfunction()
 

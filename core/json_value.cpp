@@ -73,9 +73,12 @@ Eigen::Vector3d JsonValue::Vector3() const {
 }
 
 Eigen::Vector3d JsonValue::UnitVector3() const {
+  // What has been written in full comes back bit for bit: to normalise it again could change its last digit.
+  constexpr double kRounding = 1e-15;
   const Eigen::Vector3d v = Vector3();
-  if (std::abs(v.norm() - 1.0) > 1e-3) Fail("must be a unit vector");
-  return v.normalized();
+  const double off = std::abs(v.norm() - 1.0);
+  if (off > 1e-3) Fail("must be a unit vector");
+  return off <= kRounding ? v : v.normalized();
 }
 
 Ring JsonValue::Points() const {

@@ -40,7 +40,7 @@ class JsonValue {
   std::string Text() const;
   std::vector<double> Numbers(std::size_t count) const;  ///< an array of exactly `count` finite numbers
   Eigen::Vector3d Vector3() const;
-  Eigen::Vector3d UnitVector3() const;  ///< normalised; FileError when its length is not 1 within 1e-3
+  Eigen::Vector3d UnitVector3() const;  ///< FileError when its length is not 1 within 1e-3; normalised
   Ring Points() const;                  ///< at least three
 
   [[noreturn]] void Fail(const std::string& rule) const;

@@ -76,9 +76,9 @@ void ObeyCommand(Bytes bytes) {
       [] {},
       [](bool) {},
       [] { return true; },
-      [] { return std::make_shared<const TerrainMap>(); },
+      [] { return SavedMap{std::make_shared<const TerrainMap>(), {}}; },
       [](std::int64_t) { return Explanations{}; },
-      [](const TerrainMapPtr&, const std::string&, const std::optional<BodyInMap>&) { return true; }};
+      [](const SavedMap&, const std::string&, const std::optional<BodyInMap>&) { return true; }};
   const std::filesystem::path saved = Folder() / "saved";
   std::filesystem::create_directories(saved);
   CommandObeyer obeyer(saved, actions);

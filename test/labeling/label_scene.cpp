@@ -97,6 +97,12 @@ void LabelScene::AddSpiral(const Eigen::Vector3d& axis_foot, double inner_radius
 PolygonUpdate LabelScene::Update(const Noise& noise, unsigned seed) const {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal;
+  // Two statements, because the order of evaluation within one is the compiler's.
+  const auto within_plane = [&](const PlaneAxes& axes) -> Eigen::Vector3d {
+    const double y = normal(generator);
+    const double x = normal(generator);
+    return x * axes.x + y * axes.y;
+  };
   PolygonUpdate update;
   update.t_capture = {1'000'000'000};
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -113,15 +119,12 @@ PolygonUpdate LabelScene::Update(const Noise& noise, unsigned seed) const {
     double radius = 0.5 * kSize;
     for (const Eigen::Vector3d& p : pieces[i].outline) radius = std::max(radius, (p - center).norm());
     const double tilt_rad = noise.tilt_rad * 0.5 * kSize / radius;
-    const Eigen::Vector3d tilted =
-        (truth.normal + tilt_rad * (normal(generator) * axes.x + normal(generator) * axes.y)).normalized();
+    const Eigen::Vector3d tilted = (truth.normal + tilt_rad * within_plane(axes)).normalized();
     polygon->plane_world = {tilted, tilted.dot(center) + noise.offset_m * normal(generator)};
     const auto spoilt = [&](const Ring& ring) {
       Ring result;
       for (const Eigen::Vector3d& p : ring) {
-        const Eigen::Vector3d moved =
-            p + noise.edge_m * (normal(generator) * axes.x + normal(generator) * axes.y);
-        result.push_back(polygon->plane_world.Project(moved));
+        result.push_back(polygon->plane_world.Project(p + noise.edge_m * within_plane(axes)));
       }
       return result;
     };

@@ -105,7 +105,7 @@ TEST(SynthesisTest, DepthAndLabelImagesAgreeWithTheTruePlanes) {
     const Gray16Image depth = ReadGray16Png(path);
     const Gray16Image label = ReadGray16Png(labels.at(t));
     const auto pose = std::find_if(poses.poses.begin(), poses.poses.end(),
-                                   [&](const TimedPose& p) { return std::abs((p.t - t).count()) < 10'000; });
+                                   [&image_time = t](const TimedPose& p) { return std::abs((p.t - image_time).count()) < 10'000; });
     ASSERT_NE(pose, poses.poses.end());
     const Eigen::Isometry3d T_world_left = poses.frame == TruthFrame::kBody
                                                ? pose->T_world_frame * scene.mounting.T_body_left()
