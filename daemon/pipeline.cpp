@@ -38,7 +38,7 @@ Pipeline::Pipeline(const PipelineConfig& config, const StereoCalibration& calibr
       matcher_(MatcherFor(config.stereo, rectifier_.camera())),
       odometry_(config.odometry, rectifier_.camera(), mounting_),
       mapper_(config.terrain, rectifier_.camera(), mounting_.T_body_left, &meters_),
-      gravity_hints_(config.flow.feedback_lag_frames, pace == Pace::kEveryFrame),
+      odometry_lessons_(config.flow.feedback_lag_frames, pace == Pace::kEveryFrame),
       disparity_priors_(config.flow.feedback_lag_frames, pace == Pace::kEveryFrame) {
   TERRACE_CHECK(self_mask.empty() || (self_mask.cols == camera().width && self_mask.rows == camera().height),
                 self_mask.cols, self_mask.rows);
@@ -75,9 +75,12 @@ std::shared_ptr<const DisparityImage> Pipeline::Match(const StereoFramePtr& fram
 }
 
 TrackedPose Pipeline::Track(const SensorFrame& sensors, const StereoFramePtr& frame) {
-  const std::optional<GravityHint> gravity_hint = gravity_hints_.Take(sensors.frame_id);
+  const std::optional<OdometryLesson> lesson = odometry_lessons_.Take(sensors.frame_id);
   const StageMeasurement measuring(&meters_, StageId::kOdometry);
-  if (gravity_hint) odometry_.Apply(*gravity_hint);
+  if (lesson) {
+    odometry_.Hear(lesson->pair_trouble);
+    if (lesson->gravity_hint) odometry_.Apply(*lesson->gravity_hint);
+  }
   const PoseEstimate pose = frame ? odometry_.Track(*frame, sensors.samples)
                                   : odometry_.Bridge(sensors.frame_id, sensors.pair.t_capture,
                                                      sensors.samples, sensors.pair.problem);
@@ -125,6 +128,10 @@ std::string Pipeline::CheckPair(const StereoFrame& frame, const DisparityImage& 
     const std::string reason = health.Reason();
     warnings->push_back(reason.empty() ? "the two cameras show the same again" : reason);
   }
+  pair_trouble_ = {};
+  if (health.misplaces())
+    pair_trouble_ = {health.Reason(),
+                     health.warped ? ReasonCode::kBadCalibration : ReasonCode::kInputTrouble};
   return health.stops_mapping() ? health.Reason() : "";
 }
 
@@ -134,7 +141,8 @@ Explanations Pipeline::Explain(const std::optional<std::int64_t>& only) const {
 }
 
 void Pipeline::PostLessons(const DisparityImage* disparity, const TrackedPose& tracked, bool mapped) {
-  gravity_hints_.Post(tracked.pose.frame_id, mapped ? mapper_.gravity_hint() : std::nullopt);
+  odometry_lessons_.Post(tracked.pose.frame_id,
+                         OdometryLesson{mapped ? mapper_.gravity_hint() : std::nullopt, pair_trouble_});
   if (config_.stereo.use_prior)
     disparity_priors_.Post(tracked.pose.frame_id,
                            mapped ? ExpectDisparities(*disparity, tracked.pose) : nullptr);
@@ -152,7 +160,7 @@ std::shared_ptr<const DisparityPrior> Pipeline::ExpectDisparities(const Disparit
 }
 
 void Pipeline::CloseFeedback() {
-  gravity_hints_.Close();
+  odometry_lessons_.Close();
   disparity_priors_.Close();
 }
 

@@ -96,7 +96,7 @@ class Pipeline {
   StageMeters& meters() { return meters_; }
   /// What the map had learnt and an earlier stage did not wait for; always 0 at Pace::kEveryFrame.
   std::int64_t num_lessons_skipped() const {
-    return gravity_hints_.num_skipped() + disparity_priors_.num_skipped();
+    return odometry_lessons_.num_skipped() + disparity_priors_.num_skipped();
   }
   /// No step is left waiting for what a later one learns.
   void CloseFeedback();
@@ -105,6 +105,11 @@ class Pipeline {
   /// Of the frame that will use it; null where the motion is not known.
   std::shared_ptr<const DisparityPrior> ExpectDisparities(const DisparityImage& disparity,
                                                           const PoseEstimate& pose) const;
+  /// What the odometry is taught.
+  struct OdometryLesson {
+    std::optional<GravityHint> gravity_hint;
+    PairTrouble pair_trouble;
+  };
   using PairFindings = std::array<bool, 10>;
 
   /// Why the images cannot be what a pair sees; empty: they can. Tells the user when that changes.
@@ -122,13 +127,14 @@ class Pipeline {
   mutable std::mutex mapper_mutex_;  // held while the map changes or is asked
   TerrainMapper mapper_;
   std::size_t num_warnings_ = 0;  // of the odometry, given out so far; of the thread that tracks
-  FeedbackExchange<std::optional<GravityHint>> gravity_hints_;
+  FeedbackExchange<std::optional<OdometryLesson>> odometry_lessons_;
   FeedbackExchange<std::shared_ptr<const DisparityPrior>> disparity_priors_;  // only with stereo.use_prior
   std::optional<PoseEstimate> last_tracked_;                                  // of the thread that maps
   int epoch_ = 0;  // of the thread that maps, like what follows
   bool mapped_wrongly_ = false;
   PairMonitor pair_monitor_;
   PairFindings pair_findings_{};
+  PairTrouble pair_trouble_;  ///< by the last frame that was compared
   std::atomic<bool> reset_requested_{false};
   std::atomic<bool> map_paused_{false};
 };

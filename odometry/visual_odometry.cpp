@@ -165,5 +165,6 @@ const FrameSightings& VisualOdometry::sightings() const { return impl_->sighting
 const std::vector<std::string>& VisualOdometry::warnings() const { return impl_->warnings(); }
 bool VisualOdometry::pair_was_never_right() const { return impl_->pair_was_never_right(); }
 void VisualOdometry::Apply(const GravityHint& hint) { impl_->Apply(hint); }
+void VisualOdometry::Hear(const PairTrouble& trouble) { impl_->HearOfPair(trouble); }
 
 }  // namespace terrace

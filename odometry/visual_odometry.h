@@ -15,6 +15,12 @@
 
 namespace terrace {
 
+/// What the dense comparison of the two images of a pair has found out about it, and the odometry cannot see.
+struct PairTrouble {
+  std::string reason;  ///< why distances are wrong, and poses with them; empty: they are not
+  ReasonCode code = ReasonCode::kNone;
+};
+
 /// Stereo visual odometry. Fixes the world frame with the first frame and never turns or shifts it.
 class VisualOdometry {
  public:
@@ -37,6 +43,8 @@ class VisualOdometry {
   bool pair_was_never_right() const;
 
   void Apply(const GravityHint& hint);
+  /// Holds until another one comes: as long as there is trouble, poses and gravity are in doubt.
+  void Hear(const PairTrouble& trouble);
 
  private:
   class Impl;

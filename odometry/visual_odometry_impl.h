@@ -51,6 +51,7 @@ class VisualOdometry::Impl {
   const FrameSightings& sightings() const { return sightings_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   void Apply(const GravityHint& hint) { gravity_.Take(hint); }
+  void HearOfPair(const PairTrouble& trouble) { pair_trouble_ = trouble; }
 
  private:
   // Frames that show where the camera is: visual_odometry.cpp.
@@ -61,7 +62,9 @@ class VisualOdometry::Impl {
   /// What the landmarks' places in both images say of it.
   void WatchPair(const PoseFinder::Found& found, const PoseEstimate& pose, double dt_s);
   /// Then distances are wrong, and the pose is off by a share of the way.
-  bool PairInDoubt() const { return delay_.is_off() || torn_.torn() || columns_.is_off(); }
+  bool PairInDoubt() const {
+    return delay_.is_off() || torn_.torn() || columns_.is_off() || !pair_trouble_.reason.empty();
+  }
   /// Why; and what kind of reason that is.
   std::pair<std::string, ReasonCode> PairsTrouble() const;
   /// As long as motion has not shown it: what the pose may be off by because a camera is late, or columns
@@ -158,6 +161,7 @@ class VisualOdometry::Impl {
   ColumnMonitor columns_;
   DelayMonitor delay_;
   TornImages torn_;
+  PairTrouble pair_trouble_;
   ImuCheck imu_check_;
   ImuWatch imu_watch_;
   TurnComparison turns_;

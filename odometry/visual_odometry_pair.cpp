@@ -60,7 +60,8 @@ std::pair<std::string, ReasonCode> VisualOdometry::Impl::PairsTrouble() const {
     return {
         "the images are torn: a part of them shows the moment before; look at the camera's driver and cable",
         ReasonCode::kInputTrouble};
-  return {columns_.Reason(), ReasonCode::kBadCalibration};
+  if (columns_.is_off()) return {columns_.Reason(), ReasonCode::kBadCalibration};
+  return {pair_trouble_.reason, pair_trouble_.code};
 }
 
 PoseEstimate VisualOdometry::Impl::Published(PoseEstimate pose) const {

@@ -47,6 +47,8 @@ struct PairHealth {
     return left_blank || right_blank || half_blank || different || left_stands || right_stands || warped ||
            not_at_once;
   }
+  /// What is found in both images, too, lies where nothing is: distances, and with them poses, are wrong.
+  bool misplaces() const { return different || warped || not_at_once; }
   /// The gravest finding in a sentence, with what to do; empty when there is none.
   std::string Reason() const;
 };

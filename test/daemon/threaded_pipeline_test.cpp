@@ -92,6 +92,22 @@ TEST(PipelineTest, BuildsNothingOnAPoseInDoubt) {
   }
 }
 
+TEST(PipelineTest, PutsPosesInDoubtOnceTheTwoImagesAreSeenToShowDifferentThings) {
+  const PipelineConfig config = TinyConfig();
+  Pipeline pipeline(config, test::TinyCalibration(), {});
+  constexpr int kFirstWrong = 2;
+  for (SensorFrame& sensors : test::TinySequence(kFirstWrong + config.flow.feedback_lag_frames + 1)) {
+    std::vector<std::uint8_t>& right = sensors.pair.right.data;
+    if (sensors.frame_id >= kFirstWrong) std::reverse(right.begin(), right.end());
+    const StereoFramePtr frame = pipeline.Rectify(sensors);
+    const TrackedPose tracked = pipeline.Track(sensors, frame);
+    pipeline.Map(pipeline.Match(frame), tracked);
+    const bool known = sensors.frame_id >= kFirstWrong + config.flow.feedback_lag_frames;
+    EXPECT_EQ(tracked.pose.trusted, !known) << sensors.frame_id << ' ' << tracked.pose.reason;
+    EXPECT_EQ(tracked.pose.reason.find("do not show the same") != std::string::npos, known);
+  }
+}
+
 TEST(ThreadedPipelineTest, GivesTheSameBitsWhereTheMatcherUsesAPrior) {
   const std::vector<SensorFrame> frames = test::TinySequence(8);
   const PipelineConfig config = TinyConfig(true);

@@ -238,6 +238,20 @@ TEST(VisualOdometryTest, TakesUpFromPlanesOnlyWhenNothingBetterIsKnown) {
   EXPECT_TRUE(odometry.gravity().down_world.isApprox(hint.down_world));
 }
 
+TEST(VisualOdometryTest, IsInDoubtAboutPoseAndGravityWhileThePairIsSaidToBeWrong) {
+  VisualOdometry odometry({}, kCamera, {});
+  odometry.Track(World().Frame(0, Walk(0)), {});
+  odometry.Apply({.down_world = -Eigen::Vector3d::UnitZ(), .sigma_rad = 0.01});
+  odometry.Hear({.reason = "the right image is rolled", .code = ReasonCode::kBadCalibration});
+  const PoseEstimate doubted = odometry.Track(World().Frame(1, Walk(1)), {});
+  EXPECT_FALSE(doubted.trusted);
+  EXPECT_EQ(doubted.reason, "the right image is rolled");
+  EXPECT_EQ(doubted.reason_code, ReasonCode::kBadCalibration);
+  EXPECT_GT(odometry.gravity().sigma_rad, 0.05);
+  odometry.Hear({});
+  EXPECT_TRUE(odometry.Track(World().Frame(2, Walk(2)), {}).trusted);
+}
+
 TEST(VisualOdometryTest, NamesTheCalibrationWhenTheRightImageLiesLower) {
   VisualOdometry odometry({}, kCamera, {});
   StereoFrame frame = World().Frame(0, Walk(0));

@@ -150,7 +150,8 @@ TEST(PairMonitorTest, StopsMappingWhereARollOrAnotherSizeMakesDisparitiesWrong) 
   for (const RowOffsets& offsets :
        {RowOffsets{.per_column = 0.007f}, RowOffsets{.per_column = 0.026f}, RowOffsets{.per_row = 0.01f}}) {
     const PairHealth health = CheckOnce(Misaligned(offsets));
-    EXPECT_TRUE(health.warped && health.stops_mapping()) << offsets.per_column << " " << offsets.per_row;
+    EXPECT_TRUE(health.warped && health.stops_mapping() && health.misplaces())
+        << offsets.per_column << " " << offsets.per_row;
     EXPECT_THAT(health.Reason(), HasSubstr("rolled or of another size"));
     const float expected =
         std::hypot(offsets.per_column * kPairHeight, offsets.per_row * kPairWidth) / std::sqrt(12.0f);
