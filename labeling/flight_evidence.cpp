@@ -196,6 +196,15 @@ bool TellsALaw(const Evidence& evidence, const FlightEnds& ends) {
          evidence.num_levels >= least && evidence.z && evidence.along;
 }
 
+/// @param num_pieces  that speak for the flight
+/// @param seen  share of the steps that could be seen
+/// @param height_rms  of the steps about the law, in tolerances
+double ConfidenceOf(int num_pieces, double seen, double height_rms) {
+  const double enough = 1.0 - std::exp(-0.5 * (num_pieces - 1.0));
+  const double good = std::exp(-0.25 * std::pow(height_rms, 2));
+  return std::clamp(enough * good * (0.6 + 0.4 * seen), 0.0, 1.0);
+}
+
 FlightModel ModelOf(const Flight& flight, const FlightEnds& ends) {
   const Stride& stride = flight.stride;
   FlightModel model = flight.frame->ModelAt(stride.EdgeAt(ends.first_step), stride.lateral);
@@ -225,14 +234,16 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   const double seen = static_cast<double>(num_steps) / static_cast<double>(num_to_see);
 
   const int num_ends = (ends.foot_shape ? 1 : 0) + (ends.head_shape ? 1 : 0);
-  const int num_pieces = num_steps + num_ends;
+  const bool free = StandsFree(found.model, ends.num_risers(), sight);
+  // An incline that goes on as the steps do, and is no plane, is as good as two of them.
+  const int num_merged = free ? 0 : std::min(ends.num_merged, 2);
+  const int num_pieces = num_steps + num_ends + num_merged;
   const bool any_riser = std::any_of(evidence.seen.begin(), evidence.seen.end(),
                                      [](const StepKey& key) { return key.second; }) &&
                          !HasOpenRisers(evidence, found.model, ends, shapes);
   const int num_agreements = (evidence.faces_tile ? 1 : 0) + (evidence.sides_agree ? 1 : 0);
   // One riser may lie between the ground and what is seen.
   const bool grounded = num_ends > 0 || std::abs(found.model.foot_z - sight.ground_z) < 1.2 * stride.rise;
-  const bool free = StandsFree(found.model, ends.num_risers(), sight);
   const bool enough_pieces = num_pieces >= 4 && seen >= 0.45;
   // The ground in front of the first step is missed only where it could be seen.
   const Eigen::Vector2d foot = found.model.EdgePoint(1.0, found.model.lateral.middle());
@@ -243,7 +254,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   if (!stays && !enough_pieces && !few_that_agree) return std::nullopt;
   // Two boxes make two risers as well: then floor, landing and all that lies between must be there.
   const bool whole = ends.foot_shape && ends.head_shape && num_steps >= 3;
-  if (ends.num_risers() == 2 && !whole && !few_that_agree && !stays) return std::nullopt;
+  if (ends.num_risers() + num_merged == 2 && !whole && !few_that_agree && !stays) return std::nullopt;
 
   found.num_risers = ends.num_risers() + ends.num_merged;
   // What lies behind the last of the merged risers is not known.
@@ -259,9 +270,8 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   constexpr double kKnownWithin = 0.25;
   if (!known && found.run_sigma_m > kKnownWithin * stride.run) return std::nullopt;
   const int num_agreeing = sharp ? num_agreements : 0;
-  const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreeing - 1.0));
-  const double good = std::exp(-0.25 * std::pow(evidence.z->rms / config.HeightTolerance(stride.rise), 2));
-  found.confidence = std::clamp(enough * good * (0.6 + 0.4 * seen), 0.0, 1.0);
+  found.confidence = ConfidenceOf(num_pieces + num_agreeing, seen,
+                                  evidence.z->rms / config.HeightTolerance(stride.rise));
   if (found.confidence < (known ? 0.6 : 1.0) * config.min_confidence) return std::nullopt;
   return found;
 }

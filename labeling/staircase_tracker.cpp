@@ -103,10 +103,12 @@ double StepsFromFoot(const FoundStaircase& found) {
 
 /// True when the law that was told is as well known as the new one, and both may be the same: then it rests.
 /// Where the foot lies is known by what is seen of the steps, and the worse the farther away that is.
-bool LawRests(const FoundStaircase& told, const FoundStaircase& now) {
+/// @param fresh  it was just found: then anything better counts
+bool LawRests(const FoundStaircase& told, const FoundStaircase& now, bool fresh) {
   constexpr double kClearlyBetter = 0.8;
-  const auto rests = [](double a, double sigma_a, double b, double sigma_b) {
-    return std::abs(a - b) <= sigma_a + sigma_b && sigma_b > kClearlyBetter * sigma_a;
+  const double better = fresh ? 1.0 : kClearlyBetter;
+  const auto rests = [better](double a, double sigma_a, double b, double sigma_b) {
+    return std::abs(a - b) <= sigma_a + sigma_b && sigma_b >= better * sigma_a;
   };
   const FlightModel& a = told.model;
   const FlightModel& b = now.model;
@@ -234,7 +236,7 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
     }
   }
   KeepWidth(told.model, now.model);
-  if (LawRests(told, now)) {
+  if (LawRests(told, now, track.num_found <= 2 * num_frames_)) {
     now.model = told.model;
     now.rise_sigma_m = told.rise_sigma_m;
     now.run_sigma_m = told.run_sigma_m;

@@ -459,39 +459,78 @@ TEST(StaircaseFinderTest, CountsTheBoardOfALandingThatIsSeenFromBelowAndDeeperTh
   EXPECT_EQ(found[0].num_risers, 4);
 }
 
-/// Four risers with their treads, and above them an incline into which risers 5 to 7 have merged from afar.
-std::vector<FoundStaircase> FindBelowIncline(double rms_m) {
-  constexpr double kRise = 0.17, kRun = 0.28;
-  LabelScene scene;
-  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
-  KnownFlight flight;
-  flight.foot = {3, 0, 0};
-  flight.num_risers = 4;
-  flight.width_m = 1.6;
-  scene.AddFlight(flight);
-  const auto on_line = [&](double k, double y) {
-    return Eigen::Vector3d(3.0 + (k - 1.0) * kRun, y, (k - 0.5) * kRise);
-  };
-  scene.Add({{on_line(4.7, -0.8), on_line(7.3, -0.8), on_line(7.3, 0.8), on_line(4.7, 0.8)}, {}});
-  std::vector<PolygonPtr> polygons = scene.Update().changed;
-  auto incline = std::make_shared<Polygon>(*polygons.back());
-  incline->noise_m = 0.006;
-  incline->rms_m = rms_m;
-  polygons.back() = incline;
-  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
-  sight.T_level_left.translation() = Eigen::Vector3d(2.0, 0.0, 0.75);
-  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(polygons), {}, sight, true);
-}
+/// A floor, the first risers with their treads, and above them risers up to 7 that have merged into inclines
+/// from afar.
+struct StepsBelowInclines {
+  int num_risers = 4;
+  double steps_noise_m = 0.003;
+  bool treads = true;
+  std::vector<std::pair<double, double>> inclines = {{4.7, 7.3}};  ///< each from one riser to another
+  double rms_m = 0.013;                                            ///< of the inclines
+
+  std::vector<RegionShapePtr> Shapes() const {
+    constexpr double kRise = 0.17, kRun = 0.28;
+    LabelScene scene;
+    KnownFlight flight;
+    flight.foot = {3, 0, 0};
+    flight.num_risers = num_risers;
+    flight.width_m = 1.6;
+    scene.AddFlight(flight);
+    const std::size_t num_steps = scene.Update().changed.size();
+    const auto on_line = [&](double k, double y) {
+      return Eigen::Vector3d(3.0 + (k - 1.0) * kRun, y, (k - 0.5) * kRise);
+    };
+    for (const auto& [low, high] : inclines)
+      scene.Add({{on_line(low, -0.8), on_line(high, -0.8), on_line(high, 0.8), on_line(low, 0.8)}, {}});
+    std::vector<PolygonPtr> polygons = scene.Update().changed;
+    for (std::size_t i = 0; i < polygons.size(); ++i) {
+      auto polygon = std::make_shared<Polygon>(*polygons[i]);
+      polygon->noise_m = i < num_steps ? steps_noise_m : 0.006;
+      if (i >= num_steps) polygon->rms_m = rms_m;
+      polygons[i] = polygon;
+    }
+    if (!treads) std::erase_if(polygons, [](const PolygonPtr& p) { return p->plane_world.normal.z() > 0.99; });
+    LabelScene floor;
+    floor.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+    auto ground = std::make_shared<Polygon>(*floor.Update().changed.front());
+    ground->id = 1000;
+    polygons.push_back(ground);
+    return ShapesOf(polygons);
+  }
+  std::vector<FoundStaircase> Find() const {
+    Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+    sight.T_level_left.translation() = Eigen::Vector3d(2.0, 0.0, 0.75);
+    return StaircaseFinder{StaircaseConfig{}}.Find(Shapes(), {}, sight, true);
+  }
+};
 
 TEST(StaircaseFinderTest, CountsTheStepsThatHaveMergedIntoOneInclineAboveTheOthers) {
-  const auto found = FindBelowIncline(0.013);
+  const auto found = StepsBelowInclines{}.Find();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 7);
   EXPECT_EQ(found[0].num_treads, 6);
 }
 
+TEST(StaircaseFinderTest, CountsAStepBetweenTwoThatHaveMergedIntoInclines) {
+  const auto found = StepsBelowInclines{.inclines = {{4.7, 5.4}, {6.6, 7.3}}}.Find();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 7);
+}
+
+TEST(StaircaseFinderTest, TellsTwoBlurredFacesWhereAnInclineThatIsNoPlaneGoesOnAsTheyDo) {
+  StepsBelowInclines scene{.num_risers = 2, .steps_noise_m = 0.012, .treads = false, .inclines = {{2.7, 7.3}}};
+  const auto found = scene.Find();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 7);
+  EXPECT_NEAR(found[0].model.rise_m, 0.17, 0.005);
+  scene.rms_m = 0.003;  // a ramp
+  EXPECT_TRUE(scene.Find().empty());
+  scene.inclines.clear();
+  EXPECT_TRUE(scene.Find().empty());
+}
+
 TEST(StaircaseFinderTest, CountsNoStepsInARampAboveAFlight) {
-  const auto found = FindBelowIncline(0.003);
+  const auto found = StepsBelowInclines{.rms_m = 0.003}.Find();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 4);
 }

@@ -105,6 +105,20 @@ TEST_F(StaircaseTrackerTest, BelievesMoreStepsWhenTheyAreSeenForSomeTime) {
   EXPECT_EQ(told().id, 1);
 }
 
+TEST_F(StaircaseTrackerTest, TakesNumbersThatAreAnyBetterWhileAFlightWasJustFound) {
+  FoundStaircase better = Found(1, 6);
+  better.model.rise_m += 0.004;
+  better.rise_sigma_m *= 0.9;
+  See(Found(1, 6), kFrames);
+  See(better);
+  EXPECT_NEAR(told().riser_m, 0.174, 1e-12);
+  better.model.rise_m += 0.002;
+  better.rise_sigma_m *= 0.9;
+  See(Found(1, 6), 2 * kFrames);
+  See(better);
+  EXPECT_NEAR(told().riser_m, 0.174, 1e-12);
+}
+
 TEST_F(StaircaseTrackerTest, RestsWhileNewNumbersSayNothingBetter) {
   See(Found(1, 6), kFrames);
   FoundStaircase other = Found(1, 6);
