@@ -270,8 +270,8 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   constexpr double kKnownWithin = 0.25;
   if (!known && found.run_sigma_m > kKnownWithin * stride.run) return std::nullopt;
   const int num_agreeing = sharp ? num_agreements : 0;
-  found.confidence = ConfidenceOf(num_pieces + num_agreeing, seen,
-                                  evidence.z->rms / config.HeightTolerance(stride.rise));
+  found.confidence =
+      ConfidenceOf(num_pieces + num_agreeing, seen, evidence.z->rms / config.HeightTolerance(stride.rise));
   if (found.confidence < (known ? 0.6 : 1.0) * config.min_confidence) return std::nullopt;
   return found;
 }

@@ -489,7 +489,8 @@ struct StepsBelowInclines {
       if (i >= num_steps) polygon->rms_m = rms_m;
       polygons[i] = polygon;
     }
-    if (!treads) std::erase_if(polygons, [](const PolygonPtr& p) { return p->plane_world.normal.z() > 0.99; });
+    if (!treads)
+      std::erase_if(polygons, [](const PolygonPtr& p) { return p->plane_world.normal.z() > 0.99; });
     LabelScene floor;
     floor.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
     auto ground = std::make_shared<Polygon>(*floor.Update().changed.front());
@@ -518,7 +519,8 @@ TEST(StaircaseFinderTest, CountsAStepBetweenTwoThatHaveMergedIntoInclines) {
 }
 
 TEST(StaircaseFinderTest, TellsTwoBlurredFacesWhereAnInclineThatIsNoPlaneGoesOnAsTheyDo) {
-  StepsBelowInclines scene{.num_risers = 2, .steps_noise_m = 0.012, .treads = false, .inclines = {{2.7, 7.3}}};
+  StepsBelowInclines scene{
+      .num_risers = 2, .steps_noise_m = 0.012, .treads = false, .inclines = {{2.7, 7.3}}};
   const auto found = scene.Find();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 7);
