@@ -459,6 +459,25 @@ TEST(StaircaseFinderTest, CountsTheBoardOfALandingThatIsSeenFromBelowAndDeeperTh
   EXPECT_EQ(found[0].num_risers, 4);
 }
 
+TEST(StaircaseFinderTest, FindsTheInnerSideOfASpiralWhereItsLowerStepsHideThoseFartherUp) {
+  constexpr double kInner = 0.25, kHidden = 0.8, kOuter = 1.45, kRise = 0.17, kTurn = 0.43;
+  LabelScene whole, outer;
+  whole.AddSpiral({0, 0, 0}, kInner, kOuter, 7, kRise, kTurn);
+  whole.AddLevel(TerrainLabel::kWalkway, {0.85, -1, 0}, 2, 2);
+  outer.AddSpiral({0, 0, 0}, kHidden, kOuter, 7, kRise, kTurn);
+  std::vector<PolygonPtr> polygons = whole.Update().changed;
+  const std::vector<PolygonPtr> far = outer.Update().changed;
+  std::copy(far.begin() + 4, far.end(), polygons.begin() + 4);  // from riser 3 on
+  Sight sight;
+  sight.T_level_left.translation() = Eigen::Vector3d(0.85, -1.5, 0.5);
+  const auto found = StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(polygons), {}, sight, true);
+  ASSERT_EQ(found.size(), 1u);
+  ASSERT_TRUE(found[0].model.spiral);
+  EXPECT_NEAR(found[0].model.lateral.low, kInner, 0.02);
+  EXPECT_NEAR(found[0].model.lateral.high, kOuter, 0.02);
+  EXPECT_NEAR(found[0].model.run_m / found[0].model.radius_m, kTurn, 0.01);
+}
+
 /// A floor, the first risers with their treads, and above them risers up to 7 that have merged into inclines
 /// from afar.
 struct StepsBelowInclines {

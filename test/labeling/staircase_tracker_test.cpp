@@ -157,6 +157,25 @@ TEST_F(StaircaseTrackerTest, KeepsTheWidthWhileASideIsOutOfView) {
   EXPECT_NEAR(told().width_m, 1.2, 1e-9);
 }
 
+TEST_F(StaircaseTrackerTest, TellsTheTreadOfASpiralAtTheMiddleOfAllOfItsWidthThatEverShowed) {
+  FoundStaircase spiral = Found(1, 6);
+  spiral.model.spiral = true;
+  spiral.model.direction = Eigen::Vector2d(0.0, -1.0);
+  spiral.model.run_m = 0.4;
+  spiral.model.radius_m = 1.0;
+  spiral.model.lateral = {0.6, 1.4};
+  See(spiral, kFrames);
+  EXPECT_NEAR(told().tread_m, 0.4, 1e-12);
+  FoundStaircase wider = spiral;
+  wider.model.lateral.low = 0.2;
+  See(wider);
+  EXPECT_NEAR(told().tread_m, 0.32, 1e-12);
+  EXPECT_NEAR(told().tread_sigma_m, 0.8 * spiral.run_sigma_m, 1e-12);
+  EXPECT_NEAR(told().turn_per_step_rad, 0.4, 1e-12);
+  See(spiral, 10);
+  EXPECT_NEAR(told().width_m, 1.2, 1e-12);
+}
+
 TEST_F(StaircaseTrackerTest, BelievesAnotherLawAtOnceOnlyWhenItIsBetterKnown) {
   See(Found(1, 6), kFrames);
   FoundStaircase worse = Found(1, 6);
