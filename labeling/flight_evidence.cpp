@@ -169,11 +169,14 @@ bool StandsFree(const FlightModel& model, int num_risers, const Sight& sight) {
   return in_view(model.lateral.low - kBeside) && in_view(model.lateral.high + kBeside);
 }
 
-/// Of a spiral the run is measured at the middle of the width, which is as well known as its ends are seen.
+/// Of a spiral the treads are told at the middle of the width, which is as well known as its inner side: that
+/// lies anywhere between what is seen and the axis, more likely near what is seen.
 double RunSigma(double sigma_at_radius_m, const FlightModel& model) {
-  constexpr double kMiddleSigma = 0.06;
-  return model.spiral ? std::hypot(sigma_at_radius_m, model.run_m / model.radius_m * kMiddleSigma)
-                      : sigma_at_radius_m;
+  if (!model.spiral) return sigma_at_radius_m;
+  constexpr double kShareOfInner = 0.25;
+  constexpr double kBestMiddle_m = 0.03;
+  const double middle_sigma_m = std::max(kBestMiddle_m, kShareOfInner * model.lateral.low);
+  return std::hypot(sigma_at_radius_m, model.run_m / model.radius_m * middle_sigma_m);
 }
 
 /// True when most members are seen so well that what they say of a step can be relied on: noise moves them by

@@ -459,23 +459,39 @@ TEST(StaircaseFinderTest, CountsTheBoardOfALandingThatIsSeenFromBelowAndDeeperTh
   EXPECT_EQ(found[0].num_risers, 4);
 }
 
+/// Seven steps about the axis z to the left, and a floor before them.
+struct SpiralScene {
+  static constexpr double kInner = 0.25, kHidden = 0.8, kOuter = 1.45, kTurn = 0.36;
+
+  /// @param num_whole  steps that are seen as far as the inner side; the others only beyond kHidden
+  static FoundStaircase Find(int num_whole) {
+    LabelScene whole, outer;
+    whole.AddSpiral({0, 0, 0}, kInner, kOuter, 7, 0.17, kTurn);
+    whole.AddLevel(TerrainLabel::kWalkway, {0.85, -1, 0}, 2, 2);
+    outer.AddSpiral({0, 0, 0}, kHidden, kOuter, 7, 0.17, kTurn);
+    std::vector<PolygonPtr> polygons = whole.Update().changed;
+    const std::vector<PolygonPtr> far = outer.Update().changed;
+    std::copy(far.begin() + 2 * num_whole, far.end(), polygons.begin() + 2 * num_whole);
+    Sight sight;
+    sight.T_level_left.translation() = Eigen::Vector3d(0.85, -1.5, 0.5);
+    const auto found = StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(polygons), {}, sight, true);
+    return found.size() == 1 && found[0].model.spiral ? found[0] : FoundStaircase{};
+  }
+};
+
 TEST(StaircaseFinderTest, FindsTheInnerSideOfASpiralWhereItsLowerStepsHideThoseFartherUp) {
-  constexpr double kInner = 0.25, kHidden = 0.8, kOuter = 1.45, kRise = 0.17, kTurn = 0.43;
-  LabelScene whole, outer;
-  whole.AddSpiral({0, 0, 0}, kInner, kOuter, 7, kRise, kTurn);
-  whole.AddLevel(TerrainLabel::kWalkway, {0.85, -1, 0}, 2, 2);
-  outer.AddSpiral({0, 0, 0}, kHidden, kOuter, 7, kRise, kTurn);
-  std::vector<PolygonPtr> polygons = whole.Update().changed;
-  const std::vector<PolygonPtr> far = outer.Update().changed;
-  std::copy(far.begin() + 4, far.end(), polygons.begin() + 4);  // from riser 3 on
-  Sight sight;
-  sight.T_level_left.translation() = Eigen::Vector3d(0.85, -1.5, 0.5);
-  const auto found = StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(polygons), {}, sight, true);
-  ASSERT_EQ(found.size(), 1u);
-  ASSERT_TRUE(found[0].model.spiral);
-  EXPECT_NEAR(found[0].model.lateral.low, kInner, 0.02);
-  EXPECT_NEAR(found[0].model.lateral.high, kOuter, 0.02);
-  EXPECT_NEAR(found[0].model.run_m / found[0].model.radius_m, kTurn, 0.01);
+  const FlightModel model = SpiralScene::Find(2).model;
+  EXPECT_NEAR(model.lateral.low, SpiralScene::kInner, 0.02);
+  EXPECT_NEAR(model.lateral.high, SpiralScene::kOuter, 0.02);
+  EXPECT_NEAR(model.run_m / model.radius_m, SpiralScene::kTurn, 0.01);
+}
+
+TEST(StaircaseFinderTest, KnowsTheTreadsOfASpiralTheWorseTheLessOfItsInnerSideShows) {
+  const FoundStaircase whole = SpiralScene::Find(7), outer = SpiralScene::Find(0);
+  const double middle_is_off_m = 0.5 * (SpiralScene::kHidden - SpiralScene::kInner);
+  EXPECT_NEAR(outer.model.lateral.low, SpiralScene::kHidden, 0.02);
+  EXPECT_GT(2.0 * outer.run_sigma_m, middle_is_off_m * SpiralScene::kTurn);
+  EXPECT_LT(whole.run_sigma_m, 0.1 * SpiralScene::kTurn);
 }
 
 /// A floor, the first risers with their treads, and above them risers up to 7 that have merged into inclines
