@@ -12,16 +12,19 @@
 namespace terrace {
 namespace {
 
-/// A few are cut off by the limit of view, and a few run on beside the stairs: the middle one of the ends.
+/// A few are cut off by the limit of view, and a few run on beside the stairs: the middle one of the ends; of
+/// an even number the one of the middle two that is farther out, on both sides alike.
 Interval MiddleOf(std::vector<Interval> widths) {
-  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  const auto num = static_cast<std::ptrdiff_t>(widths.size());
+  const auto high = widths.begin() + num / 2;
+  const auto low = widths.begin() + (num - 1) / 2;
   Interval result;
-  std::nth_element(widths.begin(), middle, widths.end(),
+  std::nth_element(widths.begin(), high, widths.end(),
                    [](const Interval& a, const Interval& b) { return a.high < b.high; });
-  result.high = middle->high;
-  std::nth_element(widths.begin(), middle, widths.end(),
+  result.high = high->high;
+  std::nth_element(widths.begin(), low, widths.end(),
                    [](const Interval& a, const Interval& b) { return a.low < b.low; });
-  result.low = middle->low;
+  result.low = low->low;
   return result;
 }
 

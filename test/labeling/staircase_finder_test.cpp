@@ -459,6 +459,20 @@ TEST(StaircaseFinderTest, CountsTheBoardOfALandingThatIsSeenFromBelowAndDeeperTh
   EXPECT_EQ(found[0].num_risers, 4);
 }
 
+TEST(StaircaseFinderTest, TakesBothSidesOfAFlightAlikeWhereHalfOfItsFacesAreCutOff) {
+  LabelScene scene;
+  scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+  for (int k = 1; k <= 4; ++k) {
+    const double x = 3.0 + 0.28 * (k - 1), z = 0.17 * (k - 1);
+    const double left = k % 2 == 0 ? 0.8 : 0.5, right = k % 2 == 0 ? -0.5 : -0.8;
+    scene.AddFace(TerrainLabel::kStairRiser, {x, left, z}, {x, right, z}, 0.17, k);
+  }
+  const auto found = FindFromBelow(scene);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.lateral.low, -0.8, 0.01);
+  EXPECT_NEAR(found[0].model.lateral.high, 0.8, 0.01);
+}
+
 /// Seven steps about the axis z to the left, and a floor before them.
 struct SpiralScene {
   static constexpr double kInner = 0.25, kHidden = 0.8, kOuter = 1.45, kTurn = 0.36;
