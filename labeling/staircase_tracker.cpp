@@ -354,7 +354,12 @@ void StaircaseTracker::ForgetGone() {
 void StaircaseTracker::Confirm(Track* track, const ShapeTable& table) {
   constexpr int kLeastFrames = 2;
   constexpr double kLittleDoubt = 0.02;
-  const bool sure = track->num_found >= kLeastFrames && track->doubt <= kLittleDoubt;
+  // Steps that join a floor and a landing, whose heights they fit, are hardly anything else.
+  constexpr double kLittleDoubtBetweenLevels = 0.06;
+  const TrackedStaircase& found = track->staircase;
+  const bool joins = found.foot_region != 0 && found.head_region != 0;
+  const bool sure =
+      track->num_found >= kLeastFrames && track->doubt <= (joins ? kLittleDoubtBetweenLevels : kLittleDoubt);
   if (!track->told && !sure && track->num_found < num_frames_) return;
   TrackedStaircase& s = track->staircase;
   if (!track->told) s.id = ++last_id_;

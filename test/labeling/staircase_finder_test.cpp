@@ -286,6 +286,7 @@ struct BelowAnEdge {
   double floor_below_m = 0.45;
   std::vector<Interval> tread_across{{-0.6, 1.0}};  ///< each fragment of it
   double shows_m = 0.1;                             ///< of the tread
+  double floor_width_m = 2.0;                       ///< of what shows of the floor below
 };
 
 /// The floor above an edge, what shows of one tread below it, and the floor below.
@@ -297,7 +298,8 @@ std::vector<FoundStaircase> FindBelowAnEdge(const BelowAnEdge& below = {}) {
   floor.outline = {{-1, -2, 0},     {kEdgeX + 1, -2, 0}, {kEdgeX + 1, -1, 0},
                    {kEdgeX, -1, 0}, {kEdgeX, 2, 0},      {-1, 2, 0}};
   scene.Add(floor);
-  scene.AddLevel(TerrainLabel::kWalkway, {6.0, 0, -below.floor_below_m}, 4, 1.6);
+  // From where it shows over the edge on.
+  scene.AddLevel(TerrainLabel::kWalkway, {5.87, 0, -below.floor_below_m}, 4.26, below.floor_width_m);
   for (const Interval& across : below.tread_across)
     scene.AddLevel(TerrainLabel::kStairTread, {kEdgeX + kRun - 0.5 * below.shows_m, across.middle(), -kRise},
                    below.shows_m, across.length());
@@ -320,6 +322,13 @@ TEST(StaircaseFinderTest, TellsAFlightDownByTheFirstStripOfATreadThatShows) {
   const auto found = FindBelowAnEdge({0.45, {{-0.6, 1.0}}, 0.045});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 3);
+}
+
+TEST(StaircaseFinderTest, TellsAFlightDownByANarrowFragmentOfATreadUnlessTheFloorShowsBesideIt) {
+  BelowAnEdge below{.tread_across = {{-0.2, 0.4}}, .floor_width_m = 0.9};
+  EXPECT_EQ(FindBelowAnEdge(below).size(), 1u) << "steps hide the floor to either side";
+  below.floor_width_m = 2.0;
+  EXPECT_TRUE(FindBelowAnEdge(below).empty());
 }
 
 TEST(StaircaseFinderTest, TakesTheFragmentsOfATreadForOneStepAsWideAsTheyReach) {

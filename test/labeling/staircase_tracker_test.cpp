@@ -70,6 +70,18 @@ TEST_F(StaircaseTrackerTest, TellsAStaircaseAfterTwoFramesThatLeaveLittleDoubt) 
   EXPECT_EQ(tracker_.confirmed().size(), 1u);
 }
 
+TEST_F(StaircaseTrackerTest, DoubtsStepsBetweenAFloorAndALandingLess) {
+  FoundStaircase found = Found(2, 5);
+  found.confidence = 0.78;
+  See(found, 2);
+  EXPECT_TRUE(tracker_.confirmed().empty());
+  StaircaseTracker other(kFrames);
+  found.foot_shape = 0;
+  found.head_shape = 5;
+  for (int i = 0; i < 2; ++i) other.Update({found}, table_);
+  EXPECT_EQ(other.confirmed().size(), 1u);
+}
+
 TEST_F(StaircaseTrackerTest, DoesNotTellWhatIsFoundNowAndThen) {
   for (int i = 0; i < 5; ++i) {
     See(Found(1, 6), kFrames - 1);
