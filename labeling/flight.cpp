@@ -12,38 +12,64 @@
 namespace terrace {
 namespace {
 
-/// A few are cut off by the limit of view, and a few run on beside the stairs: the middle one of the ends.
+/// A few are cut off by the limit of view, and a few run on beside the stairs: the middle one of the ends; of
+/// an even number the one of the middle two that is farther out, on both sides alike.
 Interval MiddleOf(std::vector<Interval> widths) {
-  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  const auto num = static_cast<std::ptrdiff_t>(widths.size());
+  const auto high = widths.begin() + num / 2;
+  const auto low = widths.begin() + (num - 1) / 2;
   Interval result;
-  std::nth_element(widths.begin(), middle, widths.end(),
+  std::nth_element(widths.begin(), high, widths.end(),
                    [](const Interval& a, const Interval& b) { return a.high < b.high; });
-  result.high = middle->high;
-  std::nth_element(widths.begin(), middle, widths.end(),
+  result.high = high->high;
+  std::nth_element(widths.begin(), low, widths.end(),
                    [](const Interval& a, const Interval& b) { return a.low < b.low; });
-  result.low = middle->low;
+  result.low = low->low;
   return result;
 }
 
-/// The stride on which the fitted elements agree best; none when they do not determine it.
-std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepFit>& fits) {
-  // Of a face both ends are seen from afar, of a tread often only a part.
-  const bool any_riser = std::any_of(fits.begin(), fits.end(),
-                                     [&](const StepFit& fit) { return flight.elements[fit.element].riser; });
-  std::map<int, Interval> steps;  // each with all its fragments
+/// Each step with all its fragments: of a kind, or of both.
+std::vector<Interval> WidthsOf(const Flight& flight, const std::vector<StepFit>& fits,
+                               std::optional<bool> riser) {
+  std::map<std::pair<int, bool>, Interval> steps;
   for (const StepFit& fit : fits) {
     const StepElement& e = flight.elements[fit.element];
-    if (e.riser != any_riser || e.landing) continue;
-    Interval& width = steps.try_emplace(fit.step_index, e.lateral).first->second;
+    if ((riser && e.riser != *riser) || e.landing) continue;
+    Interval& width = steps.try_emplace({fit.step_index, e.riser}, e.lateral).first->second;
     width = width.Hull(e.lateral);
   }
   std::vector<Interval> widths;
   for (const auto& [step, width] : steps) widths.push_back(width);
+  return widths;
+}
+
+/// The width on which the fitted elements agree; none when none tells it.
+std::optional<Interval> WidthOf(const Flight& flight, const std::vector<StepFit>& fits) {
+  // Of a face both ends are seen from afar, of a tread often only a part.
+  const bool any_riser = std::any_of(fits.begin(), fits.end(),
+                                     [&](const StepFit& fit) { return flight.elements[fit.element].riser; });
+  std::vector<Interval> widths = WidthsOf(flight, fits, any_riser);
   if (widths.empty()) return std::nullopt;
+  Interval width = MiddleOf(std::move(widths));
+  if (!flight.frame->spiral()) return width;
+  // The steps of a spiral hide the inner ends of those farther up, and nothing goes on beyond its inner side:
+  // the step that reaches second farthest in tells where that is.
+  widths = WidthsOf(flight, fits, std::nullopt);
+  if (widths.size() < 3) return width;
+  std::nth_element(widths.begin(), widths.begin() + 1, widths.end(),
+                   [](const Interval& a, const Interval& b) { return a.low < b.low; });
+  width.low = std::min(width.low, widths[1].low);
+  return width;
+}
+
+/// The stride on which the fitted elements agree best; none when they do not determine it.
+std::optional<Stride> LeastSquares(const Flight& flight, const std::vector<StepFit>& fits) {
+  const std::optional<Interval> width = WidthOf(flight, fits);
+  if (!width) return std::nullopt;
   const auto z = FitLine(StepHeights(flight, fits));
   const auto along = FitLine(StepPlaces(flight, fits));
   if (!z || !along) return std::nullopt;
-  return Stride{along->at_zero, along->slope, z->at_zero, z->slope, MiddleOf(std::move(widths))};
+  return Stride{along->at_zero, along->slope, z->at_zero, z->slope, *width};
 }
 
 }  // namespace

@@ -205,8 +205,11 @@ FlightEnds FindFlightEnds(const StaircaseConfig& config, const std::vector<Regio
   const std::optional<int> block = head ? std::nullopt : LastRiserOfBlock(config, shapes, flight, highest);
   ends.last_step = head ? head->level : block.value_or(highest);
   ends.ends_with_tread = !head && !block && highest_is_tread;
-  if (!head && !block)
-    while (MergedIntoIncline(config, shapes, flight, ends.last_step + ends.num_merged + 1)) ++ends.num_merged;
+  if (!head && !block) {
+    // One step between may have merged otherwise.
+    const auto merged = [&](int k) { return MergedIntoIncline(config, shapes, flight, ends.last_step + k); };
+    while (merged(ends.num_merged + 1) || merged(ends.num_merged + 2)) ++ends.num_merged;
+  }
   if (foot) ends.heights.push_back(*foot);
   if (head) ends.heights.push_back(*head);
   return ends;

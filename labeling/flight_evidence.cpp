@@ -25,6 +25,7 @@ struct Evidence {
   bool faces_tile = false;  ///< faces of two neighbouring steps reach from one to the next
   bool sides_agree = false;
   bool landing_edge = false;     ///< the edge of the landing was seen from above
+  double widest_m = 0.0;         ///< of all steps
   std::optional<LineFit> z;      ///< heights over step indices; none: they do not tell the rise
   std::optional<LineFit> along;  ///< places of the edges over step indices
 };
@@ -79,6 +80,7 @@ Evidence Gather(const Flight& flight, const FlightEnds& ends) {
   evidence.faces_tile =
       std::any_of(whole_faces.begin(), whole_faces.end(), [&](int k) { return whole_faces.contains(k + 1); });
   evidence.sides_agree = SidesAgree(sides);
+  for (const auto& [step, side] : sides) evidence.widest_m = std::max(evidence.widest_m, side.length());
   return evidence;
 }
 
@@ -155,25 +157,44 @@ std::set<StepKey> StepsToBeSeen(const FlightModel& model, const FlightEnds& ends
   return steps;
 }
 
-/// A narrow thing of which both sides are in view is furniture rather than a staircase.
-bool StandsFree(const FlightModel& model, int num_risers, const Sight& sight) {
-  constexpr double kWide = 0.9;
-  constexpr double kBeside = 0.1;
-  if (model.lateral.length() >= kWide) return false;
-  const double k = 0.5 * (1 + num_risers);
-  const double z = model.foot_z + 0.5 * num_risers * model.rise_m;
-  const auto in_view = [&](double lateral) {
-    const Eigen::Vector2d p = model.EdgePoint(k, lateral);
-    return sight.InView({p.x(), p.y(), z});
-  };
-  return in_view(model.lateral.low - kBeside) && in_view(model.lateral.high + kBeside);
+/// The floor below a flight that is known by the edge above it; else null.
+const RegionShape* FloorBelowEdge(const Evidence& evidence, const FlightEnds& ends,
+                                  const std::vector<RegionShapePtr>& shapes) {
+  return evidence.landing_edge && ends.foot_shape ? shapes[*ends.foot_shape].get() : nullptr;
 }
 
-/// Of a spiral the run is measured at the middle of the width, which is as well known as its ends are seen.
+/// A narrow thing of which both sides are in view is furniture rather than a staircase. Of a strip of a tread
+/// below an edge the sides are known only where the floor shows beside it, through where the tread would go
+/// on.
+/// @param floor_below  see FloorBelowEdge
+bool StandsFree(const FlightModel& model, int num_risers, const Sight& sight,
+                const RegionShape* floor_below) {
+  constexpr double kWide = 0.9;
+  constexpr double kBeside = 0.1;
+  constexpr double kNear = 0.05;  // so near to the edge above, little of the floor shows
+  if (model.lateral.length() >= kWide) return false;
+  const Eigen::Vector3d eye = sight.eye();
+  const double tread_z = model.foot_z + (num_risers - 1) * model.rise_m;
+  const auto ends_before = [&](double lateral) {
+    if (!floor_below || eye.z() <= tread_z) {
+      const Eigen::Vector2d p = model.EdgePoint(0.5 * (1 + num_risers), lateral);
+      return sight.InView({p.x(), p.y(), model.foot_z + 0.5 * num_risers * model.rise_m});
+    }
+    const Eigen::Vector2d p = model.EdgePoint(num_risers - 1, lateral);
+    const double onward = (eye.z() - model.foot_z) / (eye.z() - tread_z);
+    return floor_below->PlanDistance(eye.head<2>() + onward * (p - eye.head<2>())) <= kNear;
+  };
+  return ends_before(model.lateral.low - kBeside) && ends_before(model.lateral.high + kBeside);
+}
+
+/// Of a spiral the treads are told at the middle of the width, which is as well known as its inner side: that
+/// lies anywhere between what is seen and the axis, more likely near what is seen.
 double RunSigma(double sigma_at_radius_m, const FlightModel& model) {
-  constexpr double kMiddleSigma = 0.06;
-  return model.spiral ? std::hypot(sigma_at_radius_m, model.run_m / model.radius_m * kMiddleSigma)
-                      : sigma_at_radius_m;
+  if (!model.spiral) return sigma_at_radius_m;
+  constexpr double kShareOfInner = 0.25;
+  constexpr double kBestMiddle_m = 0.03;
+  const double middle_sigma_m = std::max(kBestMiddle_m, kShareOfInner * model.lateral.low);
+  return std::hypot(sigma_at_radius_m, model.run_m / model.radius_m * middle_sigma_m);
 }
 
 /// True when most members are seen so well that what they say of a step can be relied on: noise moves them by
@@ -196,6 +217,15 @@ bool TellsALaw(const Evidence& evidence, const FlightEnds& ends) {
          evidence.num_levels >= least && evidence.z && evidence.along;
 }
 
+/// @param num_pieces  that speak for the flight
+/// @param seen  share of the steps that could be seen
+/// @param height_rms  of the steps about the law, in tolerances
+double ConfidenceOf(int num_pieces, double seen, double height_rms) {
+  const double enough = 1.0 - std::exp(-0.5 * (num_pieces - 1.0));
+  const double good = std::exp(-0.25 * std::pow(height_rms, 2));
+  return std::clamp(enough * good * (0.6 + 0.4 * seen), 0.0, 1.0);
+}
+
 FlightModel ModelOf(const Flight& flight, const FlightEnds& ends) {
   const Stride& stride = flight.stride;
   FlightModel model = flight.frame->ModelAt(stride.EdgeAt(ends.first_step), stride.lateral);
@@ -214,7 +244,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   if (ends.num_risers() < 2 || ends.num_treads() < 1) return std::nullopt;
   Evidence evidence = Gather(flight, ends);
   const int num_steps = static_cast<int>(evidence.seen.size());
-  if (stride.lateral.length() < config.min_width_m || !TellsALaw(evidence, ends)) return std::nullopt;
+  if (evidence.widest_m < config.min_width_m || !TellsALaw(evidence, ends)) return std::nullopt;
 
   FoundStaircase found;
   found.model = ModelOf(flight, ends);
@@ -225,14 +255,16 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   const double seen = static_cast<double>(num_steps) / static_cast<double>(num_to_see);
 
   const int num_ends = (ends.foot_shape ? 1 : 0) + (ends.head_shape ? 1 : 0);
-  const int num_pieces = num_steps + num_ends;
+  const bool free = StandsFree(found.model, ends.num_risers(), sight, FloorBelowEdge(evidence, ends, shapes));
+  // An incline that goes on as the steps do, and is no plane, is as good as two of them.
+  const int num_merged = free ? 0 : std::min(ends.num_merged, 2);
+  const int num_pieces = num_steps + num_ends + num_merged;
   const bool any_riser = std::any_of(evidence.seen.begin(), evidence.seen.end(),
                                      [](const StepKey& key) { return key.second; }) &&
                          !HasOpenRisers(evidence, found.model, ends, shapes);
   const int num_agreements = (evidence.faces_tile ? 1 : 0) + (evidence.sides_agree ? 1 : 0);
   // One riser may lie between the ground and what is seen.
   const bool grounded = num_ends > 0 || std::abs(found.model.foot_z - sight.ground_z) < 1.2 * stride.rise;
-  const bool free = StandsFree(found.model, ends.num_risers(), sight);
   const bool enough_pieces = num_pieces >= 4 && seen >= 0.45;
   // The ground in front of the first step is missed only where it could be seen.
   const Eigen::Vector2d foot = found.model.EdgePoint(1.0, found.model.lateral.middle());
@@ -243,7 +275,7 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   if (!stays && !enough_pieces && !few_that_agree) return std::nullopt;
   // Two boxes make two risers as well: then floor, landing and all that lies between must be there.
   const bool whole = ends.foot_shape && ends.head_shape && num_steps >= 3;
-  if (ends.num_risers() == 2 && !whole && !few_that_agree && !stays) return std::nullopt;
+  if (ends.num_risers() + num_merged == 2 && !whole && !few_that_agree && !stays) return std::nullopt;
 
   found.num_risers = ends.num_risers() + ends.num_merged;
   // What lies behind the last of the merged risers is not known.
@@ -258,10 +290,8 @@ std::optional<FoundStaircase> WeighFlight(const StaircaseConfig& config,
   // Told with a wrong run, feet would be set wrongly: better told later.
   constexpr double kKnownWithin = 0.25;
   if (!known && found.run_sigma_m > kKnownWithin * stride.run) return std::nullopt;
-  const int num_agreeing = sharp ? num_agreements : 0;
-  const double enough = 1.0 - std::exp(-0.5 * (num_pieces + num_agreeing - 1.0));
-  const double good = std::exp(-0.25 * std::pow(evidence.z->rms / config.HeightTolerance(stride.rise), 2));
-  found.confidence = std::clamp(enough * good * (0.6 + 0.4 * seen), 0.0, 1.0);
+  found.confidence = ConfidenceOf(num_pieces + (sharp ? num_agreements : 0), seen,
+                                  evidence.z->rms / config.HeightTolerance(stride.rise));
   if (found.confidence < (known ? 0.6 : 1.0) * config.min_confidence) return std::nullopt;
   return found;
 }

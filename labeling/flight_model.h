@@ -18,7 +18,7 @@ struct FlightModel {
   double foot_z = 0.0;
   double rise_m = 0.0;
   double run_m = 0.0;      ///< spiral: at radius_m
-  double radius_m = 0.0;   ///< spiral: of the middle of the width
+  double radius_m = 0.0;   ///< spiral: at which run_m is measured; about the middle of the width
   double turn_sign = 1.0;  ///< spiral: +1 turns left going up
   Interval lateral;        ///< straight: to the left of the origin; spiral: distance from the axis
 

@@ -43,8 +43,10 @@ Staircase Publish(const TrackedStaircase& tracked, const Eigen::Matrix3d& R_leve
   s.num_treads = tracked.found.num_treads;
   s.riser_m = m.rise_m;
   s.riser_sigma_m = tracked.found.rise_sigma_m;
-  s.tread_m = m.run_m;
-  s.tread_sigma_m = tracked.found.run_sigma_m;
+  // Of a spiral the law holds the run at some radius, and treads are told at the middle of the width.
+  const double at_middle = m.spiral ? m.lateral.middle() / m.radius_m : 1.0;
+  s.tread_m = at_middle * m.run_m;
+  s.tread_sigma_m = at_middle * tracked.found.run_sigma_m;
   s.width_m = m.lateral.length();
   // Of a spiral lateral is the distance from the axis, and the axis lies left when it turns left.
   const bool low_is_left = m.spiral && m.turn_sign > 0.0;
@@ -61,7 +63,7 @@ Staircase Publish(const TrackedStaircase& tracked, const Eigen::Matrix3d& R_leve
   up.z() = 0.0;
   s.direction_up_world = up.normalized();
   s.turn_per_step_rad = m.spiral ? m.turn_sign * m.run_m / m.radius_m : 0.0;
-  s.pitch_rad = std::atan2(m.rise_m, m.run_m);
+  s.pitch_rad = std::atan2(s.riser_m, s.tread_m);
   s.confidence = tracked.found.confidence;
   for (const StepPlace& place : tracked.places)
     if (!place.only_evidence) s.region_ids.push_back(place.region);
@@ -103,10 +105,12 @@ double StepsFromFoot(const FoundStaircase& found) {
 
 /// True when the law that was told is as well known as the new one, and both may be the same: then it rests.
 /// Where the foot lies is known by what is seen of the steps, and the worse the farther away that is.
-bool LawRests(const FoundStaircase& told, const FoundStaircase& now) {
+/// @param fresh  it was just found: then anything better counts
+bool LawRests(const FoundStaircase& told, const FoundStaircase& now, bool fresh) {
   constexpr double kClearlyBetter = 0.8;
-  const auto rests = [](double a, double sigma_a, double b, double sigma_b) {
-    return std::abs(a - b) <= sigma_a + sigma_b && sigma_b > kClearlyBetter * sigma_a;
+  const double better = fresh ? 1.0 : kClearlyBetter;
+  const auto rests = [better](double a, double sigma_a, double b, double sigma_b) {
+    return std::abs(a - b) <= sigma_a + sigma_b && sigma_b >= better * sigma_a;
   };
   const FlightModel& a = told.model;
   const FlightModel& b = now.model;
@@ -116,8 +120,11 @@ bool LawRests(const FoundStaircase& told, const FoundStaircase& now) {
   const double same_z = kSameEdge + steps * (told.rise_sigma_m + now.rise_sigma_m);
   const double same_edge = kSameEdge + steps * (told.run_sigma_m + now.run_sigma_m);
   const Eigen::Vector2d shift = a.EdgePoint(1.0, a.lateral.middle()) - b.EdgePoint(1.0, b.lateral.middle());
-  // Sides come into view and leave it: no step is wider for that.
-  return a.spiral == b.spiral && rests(a.rise_m, told.rise_sigma_m, b.rise_m, now.rise_sigma_m) &&
+  // Sides come into view and leave it: no step is wider for that. But of a spiral the run is told at the
+  // middle of its width, and the inner side is hidden by its own steps at first.
+  constexpr double kWider_m = 0.1;
+  const bool wider = b.spiral && b.lateral.length() > a.lateral.length() + kWider_m;
+  return a.spiral == b.spiral && !wider && rests(a.rise_m, told.rise_sigma_m, b.rise_m, now.rise_sigma_m) &&
          rests(a.run_m, told.run_sigma_m, b.run_m, now.run_sigma_m) &&
          a.UpAt(1.0).dot(b.UpAt(1.0)) > kSameDirection && std::abs(a.foot_z - b.foot_z) < same_z &&
          std::abs(shift.dot(a.UpAt(1.0))) < same_edge;
@@ -234,7 +241,7 @@ void StaircaseTracker::Adopt(Track& track, FoundStaircase now) const {
     }
   }
   KeepWidth(told.model, now.model);
-  if (LawRests(told, now)) {
+  if (LawRests(told, now, track.num_found <= 2 * num_frames_)) {
     now.model = told.model;
     now.rise_sigma_m = told.rise_sigma_m;
     now.run_sigma_m = told.run_sigma_m;
@@ -347,7 +354,12 @@ void StaircaseTracker::ForgetGone() {
 void StaircaseTracker::Confirm(Track* track, const ShapeTable& table) {
   constexpr int kLeastFrames = 2;
   constexpr double kLittleDoubt = 0.02;
-  const bool sure = track->num_found >= kLeastFrames && track->doubt <= kLittleDoubt;
+  // Steps that join a floor and a landing, whose heights they fit, are hardly anything else.
+  constexpr double kLittleDoubtBetweenLevels = 0.06;
+  const TrackedStaircase& found = track->staircase;
+  const bool joins = found.foot_region != 0 && found.head_region != 0;
+  const bool sure =
+      track->num_found >= kLeastFrames && track->doubt <= (joins ? kLittleDoubtBetweenLevels : kLittleDoubt);
   if (!track->told && !sure && track->num_found < num_frames_) return;
   TrackedStaircase& s = track->staircase;
   if (!track->told) s.id = ++last_id_;

@@ -58,7 +58,7 @@ class StaircaseTracker {
   using Serial = std::int64_t;  ///< in the order in which they were first found
   struct Track {
     TrackedStaircase staircase;
-    int num_found = 0;   ///< in a row, until confirmed
+    int num_found = 0;   ///< in a row
     double doubt = 1.0;  ///< chance that all of these frames were wrong
     int num_missed = 0;  ///< in a row
     bool told = false;

@@ -286,6 +286,7 @@ struct BelowAnEdge {
   double floor_below_m = 0.45;
   std::vector<Interval> tread_across{{-0.6, 1.0}};  ///< each fragment of it
   double shows_m = 0.1;                             ///< of the tread
+  double floor_width_m = 2.0;                       ///< of what shows of the floor below
 };
 
 /// The floor above an edge, what shows of one tread below it, and the floor below.
@@ -297,7 +298,8 @@ std::vector<FoundStaircase> FindBelowAnEdge(const BelowAnEdge& below = {}) {
   floor.outline = {{-1, -2, 0},     {kEdgeX + 1, -2, 0}, {kEdgeX + 1, -1, 0},
                    {kEdgeX, -1, 0}, {kEdgeX, 2, 0},      {-1, 2, 0}};
   scene.Add(floor);
-  scene.AddLevel(TerrainLabel::kWalkway, {6.0, 0, -below.floor_below_m}, 4, 1.6);
+  // From where it shows over the edge on.
+  scene.AddLevel(TerrainLabel::kWalkway, {5.87, 0, -below.floor_below_m}, 4.26, below.floor_width_m);
   for (const Interval& across : below.tread_across)
     scene.AddLevel(TerrainLabel::kStairTread, {kEdgeX + kRun - 0.5 * below.shows_m, across.middle(), -kRise},
                    below.shows_m, across.length());
@@ -320,6 +322,13 @@ TEST(StaircaseFinderTest, TellsAFlightDownByTheFirstStripOfATreadThatShows) {
   const auto found = FindBelowAnEdge({0.45, {{-0.6, 1.0}}, 0.045});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 3);
+}
+
+TEST(StaircaseFinderTest, TellsAFlightDownByANarrowFragmentOfATreadUnlessTheFloorShowsBesideIt) {
+  BelowAnEdge below{.tread_across = {{-0.2, 0.4}}, .floor_width_m = 0.9};
+  EXPECT_EQ(FindBelowAnEdge(below).size(), 1u) << "steps hide the floor to either side";
+  below.floor_width_m = 2.0;
+  EXPECT_TRUE(FindBelowAnEdge(below).empty());
 }
 
 TEST(StaircaseFinderTest, TakesTheFragmentsOfATreadForOneStepAsWideAsTheyReach) {
@@ -459,39 +468,129 @@ TEST(StaircaseFinderTest, CountsTheBoardOfALandingThatIsSeenFromBelowAndDeeperTh
   EXPECT_EQ(found[0].num_risers, 4);
 }
 
-/// Four risers with their treads, and above them an incline into which risers 5 to 7 have merged from afar.
-std::vector<FoundStaircase> FindBelowIncline(double rms_m) {
-  constexpr double kRise = 0.17, kRun = 0.28;
+TEST(StaircaseFinderTest, TakesBothSidesOfAFlightAlikeWhereHalfOfItsFacesAreCutOff) {
   LabelScene scene;
   scene.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
-  KnownFlight flight;
-  flight.foot = {3, 0, 0};
-  flight.num_risers = 4;
-  flight.width_m = 1.6;
-  scene.AddFlight(flight);
-  const auto on_line = [&](double k, double y) {
-    return Eigen::Vector3d(3.0 + (k - 1.0) * kRun, y, (k - 0.5) * kRise);
-  };
-  scene.Add({{on_line(4.7, -0.8), on_line(7.3, -0.8), on_line(7.3, 0.8), on_line(4.7, 0.8)}, {}});
-  std::vector<PolygonPtr> polygons = scene.Update().changed;
-  auto incline = std::make_shared<Polygon>(*polygons.back());
-  incline->noise_m = 0.006;
-  incline->rms_m = rms_m;
-  polygons.back() = incline;
-  Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
-  sight.T_level_left.translation() = Eigen::Vector3d(2.0, 0.0, 0.75);
-  return StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(polygons), {}, sight, true);
+  for (int k = 1; k <= 4; ++k) {
+    const double x = 3.0 + 0.28 * (k - 1), z = 0.17 * (k - 1);
+    const double left = k % 2 == 0 ? 0.8 : 0.5, right = k % 2 == 0 ? -0.5 : -0.8;
+    scene.AddFace(TerrainLabel::kStairRiser, {x, left, z}, {x, right, z}, 0.17, k);
+  }
+  const auto found = FindFromBelow(scene);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].model.lateral.low, -0.8, 0.01);
+  EXPECT_NEAR(found[0].model.lateral.high, 0.8, 0.01);
 }
 
+/// Seven steps about the axis z to the left, and a floor before them.
+struct SpiralScene {
+  static constexpr double kInner = 0.25, kHidden = 0.8, kOuter = 1.45, kTurn = 0.36;
+
+  /// @param num_whole  steps that are seen as far as the inner side; the others only beyond kHidden
+  static FoundStaircase Find(int num_whole) {
+    LabelScene whole, outer;
+    whole.AddSpiral({0, 0, 0}, kInner, kOuter, 7, 0.17, kTurn);
+    whole.AddLevel(TerrainLabel::kWalkway, {0.85, -1, 0}, 2, 2);
+    outer.AddSpiral({0, 0, 0}, kHidden, kOuter, 7, 0.17, kTurn);
+    std::vector<PolygonPtr> polygons = whole.Update().changed;
+    const std::vector<PolygonPtr> far = outer.Update().changed;
+    std::copy(far.begin() + 2 * num_whole, far.end(), polygons.begin() + 2 * num_whole);
+    Sight sight;
+    sight.T_level_left.translation() = Eigen::Vector3d(0.85, -1.5, 0.5);
+    const auto found = StaircaseFinder{StaircaseConfig{}}.Find(ShapesOf(polygons), {}, sight, true);
+    return found.size() == 1 && found[0].model.spiral ? found[0] : FoundStaircase{};
+  }
+};
+
+TEST(StaircaseFinderTest, FindsTheInnerSideOfASpiralWhereItsLowerStepsHideThoseFartherUp) {
+  const FlightModel model = SpiralScene::Find(2).model;
+  EXPECT_NEAR(model.lateral.low, SpiralScene::kInner, 0.02);
+  EXPECT_NEAR(model.lateral.high, SpiralScene::kOuter, 0.02);
+  EXPECT_NEAR(model.run_m / model.radius_m, SpiralScene::kTurn, 0.01);
+}
+
+TEST(StaircaseFinderTest, KnowsTheTreadsOfASpiralTheWorseTheLessOfItsInnerSideShows) {
+  const FoundStaircase whole = SpiralScene::Find(7), outer = SpiralScene::Find(0);
+  const double middle_is_off_m = 0.5 * (SpiralScene::kHidden - SpiralScene::kInner);
+  EXPECT_NEAR(outer.model.lateral.low, SpiralScene::kHidden, 0.02);
+  EXPECT_GT(2.0 * outer.run_sigma_m, middle_is_off_m * SpiralScene::kTurn);
+  EXPECT_LT(whole.run_sigma_m, 0.1 * SpiralScene::kTurn);
+}
+
+/// A floor, the first risers with their treads, and above them risers up to 7 that have merged into inclines
+/// from afar.
+struct StepsBelowInclines {
+  int num_risers = 4;
+  double steps_noise_m = 0.003;
+  bool treads = true;
+  std::vector<std::pair<double, double>> inclines = {{4.7, 7.3}};  ///< each from one riser to another
+  double rms_m = 0.013;                                            ///< of the inclines
+
+  std::vector<RegionShapePtr> Shapes() const {
+    constexpr double kRise = 0.17, kRun = 0.28;
+    LabelScene scene;
+    KnownFlight flight;
+    flight.foot = {3, 0, 0};
+    flight.num_risers = num_risers;
+    flight.width_m = 1.6;
+    scene.AddFlight(flight);
+    const std::size_t num_steps = scene.Update().changed.size();
+    const auto on_line = [&](double k, double y) {
+      return Eigen::Vector3d(3.0 + (k - 1.0) * kRun, y, (k - 0.5) * kRise);
+    };
+    for (const auto& [low, high] : inclines)
+      scene.Add({{on_line(low, -0.8), on_line(high, -0.8), on_line(high, 0.8), on_line(low, 0.8)}, {}});
+    std::vector<PolygonPtr> polygons = scene.Update().changed;
+    for (std::size_t i = 0; i < polygons.size(); ++i) {
+      auto polygon = std::make_shared<Polygon>(*polygons[i]);
+      polygon->noise_m = i < num_steps ? steps_noise_m : 0.006;
+      if (i >= num_steps) polygon->rms_m = rms_m;
+      polygons[i] = polygon;
+    }
+    if (!treads)
+      std::erase_if(polygons, [](const PolygonPtr& p) { return p->plane_world.normal.z() > 0.99; });
+    LabelScene floor;
+    floor.AddLevel(TerrainLabel::kWalkway, {1, 0, 0}, 4, 1.6);
+    auto ground = std::make_shared<Polygon>(*floor.Update().changed.front());
+    ground->id = 1000;
+    polygons.push_back(ground);
+    return ShapesOf(polygons);
+  }
+  std::vector<FoundStaircase> Find() const {
+    Sight sight{TestCamera(), Eigen::Isometry3d(TestBodyLeft()), 0.0};
+    sight.T_level_left.translation() = Eigen::Vector3d(2.0, 0.0, 0.75);
+    return StaircaseFinder{StaircaseConfig{}}.Find(Shapes(), {}, sight, true);
+  }
+};
+
 TEST(StaircaseFinderTest, CountsTheStepsThatHaveMergedIntoOneInclineAboveTheOthers) {
-  const auto found = FindBelowIncline(0.013);
+  const auto found = StepsBelowInclines{}.Find();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 7);
   EXPECT_EQ(found[0].num_treads, 6);
 }
 
+TEST(StaircaseFinderTest, CountsAStepBetweenTwoThatHaveMergedIntoInclines) {
+  const auto found = StepsBelowInclines{.inclines = {{4.7, 5.4}, {6.6, 7.3}}}.Find();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 7);
+}
+
+TEST(StaircaseFinderTest, TellsTwoBlurredFacesWhereAnInclineThatIsNoPlaneGoesOnAsTheyDo) {
+  StepsBelowInclines scene{
+      .num_risers = 2, .steps_noise_m = 0.012, .treads = false, .inclines = {{2.7, 7.3}}};
+  const auto found = scene.Find();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].num_risers, 7);
+  EXPECT_NEAR(found[0].model.rise_m, 0.17, 0.005);
+  scene.rms_m = 0.003;  // a ramp
+  EXPECT_TRUE(scene.Find().empty());
+  scene.inclines.clear();
+  EXPECT_TRUE(scene.Find().empty());
+}
+
 TEST(StaircaseFinderTest, CountsNoStepsInARampAboveAFlight) {
-  const auto found = FindBelowIncline(0.003);
+  const auto found = StepsBelowInclines{.rms_m = 0.003}.Find();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].num_risers, 4);
 }

@@ -70,6 +70,18 @@ TEST_F(StaircaseTrackerTest, TellsAStaircaseAfterTwoFramesThatLeaveLittleDoubt) 
   EXPECT_EQ(tracker_.confirmed().size(), 1u);
 }
 
+TEST_F(StaircaseTrackerTest, DoubtsStepsBetweenAFloorAndALandingLess) {
+  FoundStaircase found = Found(2, 5);
+  found.confidence = 0.78;
+  See(found, 2);
+  EXPECT_TRUE(tracker_.confirmed().empty());
+  StaircaseTracker other(kFrames);
+  found.foot_shape = 0;
+  found.head_shape = 5;
+  for (int i = 0; i < 2; ++i) other.Update({found}, table_);
+  EXPECT_EQ(other.confirmed().size(), 1u);
+}
+
 TEST_F(StaircaseTrackerTest, DoesNotTellWhatIsFoundNowAndThen) {
   for (int i = 0; i < 5; ++i) {
     See(Found(1, 6), kFrames - 1);
@@ -103,6 +115,20 @@ TEST_F(StaircaseTrackerTest, BelievesMoreStepsWhenTheyAreSeenForSomeTime) {
   See(Found(1, 6), kFrames);
   EXPECT_EQ(told().num_risers, 6);
   EXPECT_EQ(told().id, 1);
+}
+
+TEST_F(StaircaseTrackerTest, TakesNumbersThatAreAnyBetterWhileAFlightWasJustFound) {
+  FoundStaircase better = Found(1, 6);
+  better.model.rise_m += 0.004;
+  better.rise_sigma_m *= 0.9;
+  See(Found(1, 6), kFrames);
+  See(better);
+  EXPECT_NEAR(told().riser_m, 0.174, 1e-12);
+  better.model.rise_m += 0.002;
+  better.rise_sigma_m *= 0.9;
+  See(Found(1, 6), 2 * kFrames);
+  See(better);
+  EXPECT_NEAR(told().riser_m, 0.174, 1e-12);
 }
 
 TEST_F(StaircaseTrackerTest, RestsWhileNewNumbersSayNothingBetter) {
@@ -141,6 +167,25 @@ TEST_F(StaircaseTrackerTest, KeepsTheWidthWhileASideIsOutOfView) {
   part.rise_sigma_m = part.run_sigma_m = 0.001;  // better known otherwise
   See(part, kFrames);
   EXPECT_NEAR(told().width_m, 1.2, 1e-9);
+}
+
+TEST_F(StaircaseTrackerTest, TellsTheTreadOfASpiralAtTheMiddleOfAllOfItsWidthThatEverShowed) {
+  FoundStaircase spiral = Found(1, 6);
+  spiral.model.spiral = true;
+  spiral.model.direction = Eigen::Vector2d(0.0, -1.0);
+  spiral.model.run_m = 0.4;
+  spiral.model.radius_m = 1.0;
+  spiral.model.lateral = {0.6, 1.4};
+  See(spiral, kFrames);
+  EXPECT_NEAR(told().tread_m, 0.4, 1e-12);
+  FoundStaircase wider = spiral;
+  wider.model.lateral.low = 0.2;
+  See(wider);
+  EXPECT_NEAR(told().tread_m, 0.32, 1e-12);
+  EXPECT_NEAR(told().tread_sigma_m, 0.8 * spiral.run_sigma_m, 1e-12);
+  EXPECT_NEAR(told().turn_per_step_rad, 0.4, 1e-12);
+  See(spiral, 10);
+  EXPECT_NEAR(told().width_m, 1.2, 1e-12);
 }
 
 TEST_F(StaircaseTrackerTest, BelievesAnotherLawAtOnceOnlyWhenItIsBetterKnown) {
