@@ -15,11 +15,6 @@
 namespace terrace {
 namespace {
 
-/// Whether what it is has been decided by what was seen.
-bool IsDecided(const TerrainRegion& region) {
-  return !region.predicted() && region.label != TerrainLabel::kUnknown;
-}
-
 constexpr const char* kNobodySays = "nobody has said where the robot is in it";
 constexpr const char* kLost = "tracking was lost and another world has begun: say again where the robot is";
 

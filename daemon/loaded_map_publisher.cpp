@@ -25,8 +25,7 @@ void LoadedMapPublisher::Tick(const LoadedMap& loaded, std::int64_t terrain_map_
     due_ = {};
   }
   if (publisher_) publisher_->Tick();
-  if (std::chrono::steady_clock::now() < due_) return;
-  due_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  if (std::chrono::steady_clock::now() < due_ && terrain_map_id == said_of_map_id_) return;
   SayWhereItLies(loaded, terrain_map_id);
 }
 
@@ -37,6 +36,8 @@ bool LoadedMapPublisher::Answer(const terrain_repair_v1_t& repair) {
 }
 
 void LoadedMapPublisher::SayWhereItLies(const LoadedMap& loaded, std::int64_t terrain_map_id) {
+  due_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  said_of_map_id_ = terrain_map_id;
   std::optional<MapTransform> transform = loaded.transform();
   if (!transform) return;
   transform->map_id = transform->placing == MapPlacing::kNotFound ? 0 : terrain_map_id;

@@ -87,10 +87,12 @@ Pair PairOf(const Face& loaded, const Face& seen, const Eigen::Vector3d& middle_
   return pair;
 }
 
+/// What is not decided may be a slant laid over steps that are too far to be told apart: another one each
+/// time.
 std::vector<Face> FacesOf(const std::vector<TerrainRegion>& regions) {
   std::vector<Face> faces;
   for (const TerrainRegion& region : regions) {
-    if (region.predicted() || !region.plane_covariance.allFinite()) continue;
+    if (!IsDecided(region) || !region.plane_covariance.allFinite()) continue;
     faces.push_back({&region, std::make_shared<const RegionShape>(region)});
   }
   return faces;
@@ -116,10 +118,15 @@ std::vector<Pair> PairsOf(const std::vector<Face>& loaded, const std::vector<Fac
   return pairs;
 }
 
-/// Whether the gap can be an error of the place.
-bool Counts(const Pair& pair, const Matrix6d& covariance) {
-  const double expected = pair.H.row(0) * covariance * pair.H.row(0).transpose() + pair.variances[0];
-  return std::abs(pair.z[0]) <= std::max(kSameWithin_m, 3.0 * std::sqrt(expected));
+/// Of a pair in the fit: 0 where the gap cannot be an error of the place, 1 where gap and tilts are what is
+/// expected of one, and less the further they are from that, as for errors by Student's t.
+double WeightOf(const Pair& pair, const Matrix6d& covariance) {
+  constexpr double kFreedom = 4.0;  // the less, the less is an unlikely pair worth
+  Eigen::Matrix3d expected = pair.H * covariance * pair.H.transpose();
+  expected.diagonal() += pair.variances;
+  if (std::abs(pair.z[0]) > std::max(kSameWithin_m, 3.0 * std::sqrt(expected(0, 0)))) return 0.0;
+  const double squares = pair.z.dot(expected.ldlt().solve(pair.z));
+  return std::min(1.0, (kFreedom + 3.0) / (kFreedom + squares));
 }
 
 Eigen::Isometry3d Exp(const Vector6d& error) {
@@ -188,9 +195,10 @@ MapAlignment Align(const std::vector<TerrainRegion>& loaded_map, const MapPlace&
     Matrix6d information = prior_information;
     Vector6d pull = -prior_information * moved;
     for (const Pair& pair : pairs) {
-      if (!Counts(pair, gate)) continue;
+      const double weight = WeightOf(pair, gate);
+      if (weight == 0.0) continue;
       const Eigen::Matrix<double, 6, 3> weighted =
-          pair.H.transpose() * pair.variances.cwiseInverse().asDiagonal();
+          weight * pair.H.transpose() * pair.variances.cwiseInverse().asDiagonal();
       information += weighted * pair.H;
       pull -= weighted * pair.z;
     }

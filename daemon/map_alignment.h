@@ -21,9 +21,9 @@ struct MapAlignment {
   std::string reason;  ///< why not; empty: confirmed
 };
 
-/// Moves a loaded map onto what is seen: the planes of regions that overlap shall be the same, each by its
-/// own covariance (Gauss-Newton from the prior). Planes of one direction leave the place along them to the
-/// prior; outlines are not used, since they end where the view did.
+/// Moves a loaded map onto what is seen: the planes of decided regions that overlap shall be the same, each
+/// by its own covariance (Gauss-Newton from the prior, unlikely pairs weighed less). Planes of one direction
+/// leave the place along them to the prior; outlines are not used, since they end where the view did.
 /// @param body_world  where the place has to be exact
 MapAlignment Align(const std::vector<TerrainRegion>& loaded_map, const MapPlace& prior,
                    const TerrainMap& seen, const Eigen::Vector3d& body_world);

@@ -97,6 +97,10 @@ MapPlace PlaceOf(const CameraInMap& camera_in_map, const Eigen::Isometry3d& T_wo
   return place;
 }
 
+bool IsDecided(const TerrainRegion& region) {
+  return !region.predicted() && region.label != TerrainLabel::kUnknown;
+}
+
 TerrainRegion Placed(const TerrainRegion& region_map, const MapPlace& place) {
   const Eigen::Isometry3d T_world_map = place.T_map_world.inverse();
   const Eigen::Matrix3d& R = T_world_map.linear();

@@ -44,6 +44,9 @@ MapPlace PlaceOf(const BodyInMap& body_in_map, const Eigen::Isometry3d& T_world_
 /// By where the camera is in both.
 MapPlace PlaceOf(const CameraInMap& camera_in_map, const Eigen::Isometry3d& T_world_left);
 
+/// Whether what it is has been decided by what was seen.
+bool IsDecided(const TerrainRegion& region);
+
 /// The region as it lies in the world, with what the place is uncertain by in its plane's covariance.
 TerrainRegion Placed(const TerrainRegion& region_map, const MapPlace& place);
 Staircase Placed(const Staircase& staircase_map, const MapPlace& place);

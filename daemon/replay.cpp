@@ -17,6 +17,7 @@
 
 #include "client/terrace_file.h"
 #include "daemon/interrupt.h"
+#include "daemon/loaded_map_publisher.h"
 #include "daemon/mapper_run.h"
 #include "daemon/sinks.h"
 #include "daemon/status_reporter.h"
@@ -67,16 +68,17 @@ class SequenceSource {
   const SteadyClock::time_point start_ = SteadyClock::now();
 };
 
-/// Publishes a replay as the live daemon would: every frame, a status once a second, and what subscribers
-/// lack.
+/// Publishes a replay as the live daemon would: every frame, a status once a second, where a loaded map lies,
+/// and what subscribers lack.
 class ReplayPublisher : public FrameSink {
  public:
-  ReplayPublisher(const std::string& url, const Config& config, Pipeline* pipeline)
-      : pipeline_(pipeline),
+  ReplayPublisher(const std::string& url, const Config& config, MapperRun* run)
+      : run_(run),
         lcm_(url),
-        publisher_(&lcm_, config.channels, pipeline->T_body_left(), config.live.snapshot_period_s),
+        publisher_(&lcm_, config.channels, run->pipeline().T_body_left(), config.live.snapshot_period_s),
+        loaded_map_publisher_(&lcm_, config.channels, config.live.snapshot_period_s),
         desk_(&lcm_, config.channels),
-        answers_(&desk_, pipeline, &publisher_),
+        answers_(&desk_, &run->pipeline(), &publisher_),
         reporter_(&lcm_, config.channels.status, InputSource::kReplay, ConfigHash(config),
                   config.live.deadline_ms) {
     RequireOpen(lcm_, "--publish " + url);
@@ -92,6 +94,7 @@ class ReplayPublisher : public FrameSink {
 
   void AddFrame(const FrameResult& result) override {
     publisher_.PublishTerrain(result.change);
+    loaded_map_publisher_.Tick(run_->loaded_map(), publisher_.map_id());
     HandleAll();
     answers_.AddFrame(result);
     reporter_.AddResult(result);
@@ -105,6 +108,7 @@ class ReplayPublisher : public FrameSink {
     constexpr std::chrono::milliseconds kQuiet(250);
     constexpr std::chrono::seconds kPatience(5);
     publisher_.SendSnapshot();
+    loaded_map_publisher_.SayWhereItLies(run_->loaded_map(), publisher_.map_id());
     const auto end = SteadyClock::now() + kPatience;
     t_repair_ = SteadyClock::now();
     while (!Interrupted() && SteadyClock::now() < end &&
@@ -125,7 +129,7 @@ class ReplayPublisher : public FrameSink {
   void OnRepair(const lcm::ReceiveBuffer* buffer, const std::string&) {
     const auto repair = SafeDecode<terrain_repair_v1_t>(buffer->data, buffer->data_size);
     if (!repair) return;
-    publisher_.Answer(*repair);
+    if (!loaded_map_publisher_.Answer(*repair)) publisher_.Answer(*repair);
     t_repair_ = SteadyClock::now();
   }
 
@@ -135,14 +139,15 @@ class ReplayPublisher : public FrameSink {
   }
 
   void Report(DaemonState state) {
-    Status status = reporter_.Take(state, &pipeline_->meters());
+    Status status = reporter_.Take(state, &run_->pipeline().meters());
     publisher_.Describe(&status);
     reporter_.Send(status);
   }
 
-  Pipeline* const pipeline_;
+  MapperRun* const run_;
   lcm::LCM lcm_;
   TerrainPublisher publisher_;
+  LoadedMapPublisher loaded_map_publisher_;
   RequestDesk desk_;
   RequestSink answers_;
   StatusReporter reporter_;
@@ -180,7 +185,7 @@ void RunReplay(const ReplayOptions& options, const Config& config) {
   PrepareOutputFolder(options.output, options.overwrite);
   run.Add(std::make_unique<WarningLog>());
   if (!options.publish_url.empty())
-    run.Add(std::make_unique<ReplayPublisher>(options.publish_url, config, &run.pipeline()));
+    run.Add(std::make_unique<ReplayPublisher>(options.publish_url, config, &run));
   const ResultFiles* files =
       run.Add(std::make_unique<ResultFiles>(options.output, run.pipeline(), options.save_disparity_every));
   if (options.num_track_pictures > 0)

@@ -115,6 +115,88 @@ TEST(MapAlignmentTest, FindsThePlaceWithinItsOwnSigmas) {
   EXPECT_GT(num_confirmed, kRooms * 8 / 10);
 }
 
+/// A floor and a wall, and the first steps of a flight away from the robot.
+std::vector<TerrainRegion> Stairs() {
+  std::vector<TerrainRegion> stairs{
+      *MadeRegion(1, TerrainLabel::kWalkway, LevelAt(0.0), Rectangle(-1, -1, 2, 1)),
+      *UprightFace(2, -Eigen::Vector3d::UnitY(), -1.0, -2.0, 4.0, 2.0)};
+  for (int step = 0; step < 2; ++step) {
+    const double x = 2.0 + 0.29 * step, z = 0.16 * (step + 1);
+    auto riser = *UprightFace(20 + step, -Eigen::Vector3d::UnitX(), -x, -0.75, 0.75, 0.16);
+    riser.label = TerrainLabel::kStairRiser;
+    for (Eigen::Vector3d& p : riser.outline_world) p.z() += z - 0.16;
+    riser.centroid_world.z() += z - 0.16;
+    stairs.push_back(riser);
+    stairs.push_back(
+        *MadeRegion(10 + step, TerrainLabel::kStairTread, LevelAt(z), Rectangle(x, -0.75, x + 0.29, 0.75)));
+  }
+  return WithSigmas(stairs, 0.01, 0.004);
+}
+
+/// As the left camera's views know it.
+MapPlace RecognisedAt(const Eigen::Isometry3d& T_map_world) {
+  MapPlace prior = PriorAt(T_map_world);
+  prior.covariance.diagonal() << Eigen::Vector3d::Constant(1.5e-5), Eigen::Vector3d::Constant(1e-4);
+  return prior;
+}
+
+/// How far the middle of the flight lies from where it is, in the root of the mean square of many draws.
+double StairsOff_m(const std::vector<TerrainRegion>& saved, const std::vector<TerrainRegion>& shown,
+                   bool aligned) {
+  std::mt19937 random(6);
+  std::normal_distribution<double> normal;
+  const Eigen::Isometry3d truth = Eigen::Isometry3d::Identity();
+  const Eigen::Vector3d middle(3.0, 0.0, 0.5);
+  constexpr int kDraws = 30;
+  double squares = 0.0;
+  for (int i = 0; i < kDraws; ++i) {
+    Vector6d error;
+    for (int k = 0; k < 6; ++k) error[k] = std::sqrt(RecognisedAt(truth).covariance(k, k)) * normal(random);
+    const MapPlace prior = RecognisedAt(truth * Turned(error));
+    const MapPlace place =
+        aligned ? Align(saved, prior, *Seen(shown, truth, &random), Eigen::Vector3d::Zero()).place : prior;
+    squares += (place.T_map_world * middle - middle).squaredNorm();
+  }
+  return std::sqrt(squares / kDraws);
+}
+
+TEST(MapAlignmentTest, MakesARecognisedPlaceMoreExactOnStairs) {
+  const double before_m = StairsOff_m(Stairs(), Stairs(), false);
+  EXPECT_LT(StairsOff_m(Stairs(), Stairs(), true), 0.6 * before_m);
+}
+
+TEST(MapAlignmentTest, IsNotLedAstrayBySlantsOverStepsThatAreTooFarToBeToldApart) {
+  std::vector<TerrainRegion> saved = Stairs(), shown = Stairs();
+  // Each run lays another plane over the upper steps, and believes it by a degree and 3 mm.
+  const auto slant = [](double slope_rad, double z, double min_y, double max_y) {
+    const Eigen::Vector3d normal(-std::sin(slope_rad), 0.0, std::cos(slope_rad));
+    const Plane plane{normal, normal.dot(Eigen::Vector3d(3.0, 0.0, z))};
+    auto region = *MadeRegion(40, TerrainLabel::kUnknown, plane, Rectangle(2.6, min_y, 3.6, max_y));
+    region.plane_covariance = Eigen::Vector3d(2e-4, 2e-4, 9e-6).asDiagonal();
+    return region;
+  };
+  saved.push_back(slant(0.56, 0.75, -0.7, 0.0));
+  saved.push_back(slant(0.56, 0.75, 0.0, 0.7));
+  shown.push_back(slant(0.50, 0.72, -0.7, 0.7));
+  EXPECT_LT(StairsOff_m(saved, shown, true), 1.05 * StairsOff_m(Stairs(), Stairs(), true));
+}
+
+TEST(MapAlignmentTest, WeighsASurfaceThatWasTurnedLess) {
+  std::vector<TerrainRegion> saved = Stairs(), shown = Stairs();
+  // A board that leans on the lower steps, and has been leant anew.
+  const auto board = [](double slope_rad) {
+    const Eigen::Vector3d normal(-std::sin(slope_rad), 0.0, std::cos(slope_rad));
+    auto region =
+        *MadeRegion(40, TerrainLabel::kObstacle, {normal, normal.dot(Eigen::Vector3d(1.6, 0.0, 0.3))},
+                    Rectangle(1.2, -0.9, 2.0, -0.2));
+    region.plane_covariance = Eigen::Vector3d(1e-6, 1e-6, 4e-6).asDiagonal();
+    return region;
+  };
+  saved.push_back(board(0.55));
+  shown.push_back(board(0.45));
+  EXPECT_LT(StairsOff_m(saved, shown, true), 1.3 * StairsOff_m(Stairs(), Stairs(), true));
+}
+
 TEST(MapAlignmentTest, LeavesThePlaceAlongAFloorToThePrior) {
   std::mt19937 random(4);
   const auto room = WithSigmas(Room(false), 0.002, 0.002);
