@@ -62,8 +62,8 @@ inline constexpr int kNumRegionSources = 3;
 
 /// One planar piece of terrain. Immutable once it is in a map; a change makes a new revision.
 struct TerrainRegion {
-  std::int64_t id = 0;  ///< positive; stable while tracked, never used again within a map
-  int revision = 0;     ///< +1 whenever anything below changes
+  std::int64_t id = 0;  ///< positive; stable while tracked; one that has gone comes back only where it lay
+  int revision = 0;     ///< greater whenever anything below has changed
   TerrainLabel label = TerrainLabel::kUnknown;
   double confidence = 0.0;  ///< of the label, 0..1
   std::string why;          ///< what keeps the region undecided; empty: nothing does

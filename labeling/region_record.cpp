@@ -60,7 +60,7 @@ void RegionRecord::Tell(const PolygonPtr& polygon_ptr, const Verdict& verdict, c
     return;
   auto region = std::make_shared<TerrainRegion>();
   region->id = polygon.id;
-  region->revision = region_ ? region_->revision + 1 : 1;
+  region->revision = region_ ? region_->revision + 1 : polygon.revision;
   region->label = verdict.label;
   region->confidence = verdict.confidence;
   region->why = why;

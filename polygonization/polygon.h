@@ -15,7 +15,7 @@ using PolygonId = std::int64_t;
 
 /// One planar piece of the global map. Immutable; a change makes a new revision under the same id.
 struct Polygon {
-  PolygonId id = 0;  ///< positive, never used again
+  PolygonId id = 0;  ///< positive; one that has gone comes back only where it lay
   int revision = 0;
   Plane plane_world;
   /// Tilt about x, tilt about y [rad], offset along the normal [m], about `centroid_world`, axes of

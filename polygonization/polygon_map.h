@@ -41,7 +41,7 @@ class PolygonMap {
   void Put(PolygonPtr polygon) {
     Entry& entry = entries_[polygon->id];
     bytes_ += BytesOf(*polygon) - (entry.polygon ? BytesOf(*entry.polygon) : 0);
-    entry = {polygon, entry.num_observations + 1, polygon->last_seen};
+    entry = {polygon, polygon->num_observations, polygon->last_seen};
   }
   void Erase(PolygonId id) {
     const auto found = entries_.find(id);

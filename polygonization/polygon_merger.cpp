@@ -2,6 +2,7 @@
 #include "polygonization/polygon_merger.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "polygonization/evidence_look.h"
 #include "polygonization/polygon_revision.h"
 #include "polygonization/shadows.h"
+#include "polygonization/sleeping_ids.h"
 #include "polygonization/surface_grower.h"
 #include "polygonization/surface_pieces.h"
 #include "polygonization/surface_store.h"
@@ -43,6 +45,10 @@ bool MayWait(const Surface& surface, FrameId frame_id) {
                                : kMostPatience;
   return frame_id - surface.traced_frame < patience;
 }
+
+/// The first revision of a polygon that comes back, greater than any it had: a frame makes no more than two,
+/// one by what it shows and one by what it says of the staircase that the polygon belongs to.
+int FirstRevisionAgain(FrameId frame_id) { return static_cast<int>(2 * (frame_id + 1)); }
 
 /// Whether a frame saw the surface on it in the box around a piece.
 bool ShowsIn(const TracedPiece& piece, const EvidenceGrid& evidence, FrameId frame_id) {
@@ -96,7 +102,8 @@ class PolygonMerger::Impl {
 
   const PolygonMap& polygons() const { return polygons_; }
   std::int64_t memory_bytes() const {
-    return store_.memory_bytes() + window_.memory_bytes() + polygons_.memory_bytes();
+    return store_.memory_bytes() + window_.memory_bytes() + polygons_.memory_bytes() +
+           sleeping_.memory_bytes();
   }
 
  private:
@@ -160,14 +167,21 @@ class PolygonMerger::Impl {
   void PublishPieces(std::vector<SurfacePiece> pieces, std::set<PolygonId> free_ids, PolygonUpdate* update) {
     const std::vector<PolygonId> old_ids = ClaimIds(pieces, &free_ids);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-      const PolygonId id = old_ids[i] != 0 ? old_ids[i] : next_polygon_++;
       Surface& surface = store_.surfaces().at(pieces[i].surface);
+      PolygonId id = old_ids[i];
+      if (id != 0)
+        Revise(id, surface, pieces[i].traced, update);
+      else
+        id = Add(surface, pieces[i].traced, update);
       for (const MemberRef& ref : pieces[i].members) store_.At(ref).polygon = id;
-      Revise(id, surface, pieces[i].traced, update);
       surface.polygons.push_back(id);
       surface.pieces.push_back(std::move(pieces[i].traced));
     }
-    for (const PolygonId id : free_ids) Remove(id, update);
+    for (const PolygonId id : free_ids) {
+      const PolygonMap::Entry& gone = *polygons_.FindEntry(id);
+      sleeping_.Sleep(*gone.polygon, gone.num_observations);
+      Remove(id, update);
+    }
     std::sort(update->removed.begin(), update->removed.end());
     for (std::vector<PolygonId>* ids : {&update->added, &update->revised}) {
       std::sort(ids->begin(), ids->end());
@@ -203,19 +217,33 @@ class PolygonMerger::Impl {
     std::sort(update->seen.begin(), update->seen.end());
   }
 
-  /// A new polygon, or a new revision where it changed enough.
+  /// A new revision where it changed enough.
   void Revise(PolygonId id, const Surface& surface, const TracedPiece& piece, PolygonUpdate* update) {
     Polygon polygon = MakePolygon(id, surface, piece, update->t_capture);
-    if (const PolygonMap::Entry* before = polygons_.FindEntry(id)) {
-      if (!HasChanged(*before->polygon, polygon, config_.min_change_m)) return;
-      polygon.revision = before->polygon->revision + 1;
-      polygon.num_observations = before->num_observations + 1;
-      polygon.first_seen = before->polygon->first_seen;
-      update->revised.push_back(id);
-    } else {
-      update->added.push_back(id);
-    }
+    const PolygonMap::Entry& before = *polygons_.FindEntry(id);
+    if (!HasChanged(*before.polygon, polygon, config_.min_change_m)) return;
+    polygon.revision = before.polygon->revision + 1;
+    polygon.num_observations = before.num_observations + 1;
+    polygon.first_seen = before.polygon->first_seen;
+    update->revised.push_back(id);
     polygons_.Put(std::make_shared<const Polygon>(std::move(polygon)));
+  }
+
+  /// A polygon where none is: one that went comes back, or it is new.
+  PolygonId Add(const Surface& surface, const TracedPiece& piece, PolygonUpdate* update) {
+    Polygon polygon = MakePolygon(0, surface, piece, update->t_capture);
+    if (const std::optional<SleepingIds::Past> past = sleeping_.Wake(polygon)) {
+      polygon.id = past->id;
+      polygon.revision = FirstRevisionAgain(update->frame_id);
+      polygon.num_observations = past->num_observations + 1;
+      polygon.first_seen = past->first_seen;
+    } else {
+      polygon.id = next_polygon_++;
+    }
+    const PolygonId id = polygon.id;
+    update->added.push_back(id);
+    polygons_.Put(std::make_shared<const Polygon>(std::move(polygon)));
+    return id;
   }
 
   const MergingConfig config_;
@@ -223,6 +251,7 @@ class PolygonMerger::Impl {
   SurfaceWindow window_;  // keeps the others
   SurfaceGrower grower_;
   PolygonMap polygons_;
+  SleepingIds sleeping_;
   PolygonId next_polygon_ = 1;
   std::vector<SurfaceId> in_view_;  // of the last frame that was looked at
   FrameId looked_frame_ = 0;

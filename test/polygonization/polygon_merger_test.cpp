@@ -167,6 +167,27 @@ TEST(PolygonMergerTest, RemovesThePolygonOfABoxThatHasLeft) {
   EXPECT_EQ(mapper.On(top), nullptr);
 }
 
+TEST(PolygonMergerTest, ABoxThatIsPutBackHasItsIdAgainUnderAGreaterRevision) {
+  PlaneWorld empty;
+  empty.AddFloor(0, 3, -1, 1, 0);
+  PlaneWorld with_box = empty;
+  with_box.AddBox(1.0, 1.4, -0.2, 0.2, 0, 0.2);
+  const PlaneWorld::Rectangle top = with_box.rectangles[1];
+  Mapper mapper;
+  int frame = 0;
+  for (; frame < 8; ++frame) mapper.See(with_box, LookFrom(frame, 0, 0, 0.6, 0, 0.5));
+  const PolygonPtr before = mapper.On(top);
+  ASSERT_NE(before, nullptr);
+  for (; frame < 30; ++frame) mapper.See(empty, LookFrom(frame, 0, 0, 0.6, 0, 0.5));
+  ASSERT_EQ(mapper.On(top), nullptr);
+  for (; frame < 40; ++frame) mapper.See(with_box, LookFrom(frame, 0, 0, 0.6, 0, 0.5));
+  const PolygonPtr after = mapper.On(top);
+  ASSERT_NE(after, nullptr);
+  EXPECT_EQ(after->id, before->id);
+  EXPECT_GT(after->revision, before->revision);
+  EXPECT_EQ(after->first_seen, before->first_seen);
+}
+
 TEST(PolygonMergerTest, GivesTheSameBitsForAnyNumberOfThreads) {
   const PlaneWorld world = StairsWorld();
   std::vector<std::vector<double>> runs;
@@ -206,12 +227,16 @@ TEST(PolygonMergerTest, SaysWhatAFrameAddedRevisedRemovedAndSawAgain) {
   const PlaneWorld empty = with_box;
   with_box.AddBox(0.6, 0.9, -0.2, 0.2, 0, 0.2);
   Mapper mapper;
-  std::map<PolygonId, int> revisions, observations;
+  std::map<PolygonId, int> revisions, greatest, observations;
   std::size_t num_added = 0, num_revised = 0, num_removed = 0, num_seen = 0;
   for (int i = 0; i < 40; ++i) {
     const PolygonUpdate& update =
         mapper.See(i < 15 ? with_box : empty, LookFrom(i, 0.2 + 0.01 * std::min(i, 10), 0, 0.9, 0, 0.5));
-    for (const PolygonId id : update.added) EXPECT_TRUE(revisions.emplace(id, 1).second) << id;
+    for (const PolygonId id : update.added) {
+      const int revision = mapper.polygons().Find(id)->revision;
+      EXPECT_TRUE(revisions.emplace(id, revision).second) << id;
+      EXPECT_GT(revision, greatest[id]) << "it had " << id << " before";
+    }
     for (const PolygonId id : update.revised)
       EXPECT_EQ(mapper.polygons().Find(id)->revision, ++revisions.at(id));
     EXPECT_EQ(update.changed.size(), update.added.size() + update.revised.size());
@@ -226,7 +251,7 @@ TEST(PolygonMergerTest, SaysWhatAFrameAddedRevisedRemovedAndSawAgain) {
     }
     std::map<PolygonId, int> now;
     for (const auto& [id, entry] : mapper.polygons()) {
-      now[id] = entry.polygon->revision;
+      now[id] = greatest[id] = entry.polygon->revision;
       observations[id] = entry.num_observations;
     }
     EXPECT_EQ(now, revisions) << "after frame " << i;
