@@ -60,6 +60,7 @@ PoseEstimate VisualOdometry::Impl::Track(const StereoFrame& frame, const SensorS
 
   PoseEstimate pose = Tracked(frame, *found);
   if (in_doubt) Doubt(predicted, &pose);
+  if (standing_.both()) AddUnseen(predicted, &pose);
   if (expected.lost) motion_.Lose();
   motion_.Correct(*last_, pose, predicted, window_.keyframes.back(), gravity_.gravity());
   if (!motion_.imu_in_use()) gravity_.FollowAttitude(samples, pose);
@@ -72,7 +73,7 @@ PoseEstimate VisualOdometry::Impl::Track(const StereoFrame& frame, const SensorS
   CountFates(*found, window_);
   NoteSightings(*found, window_, sightings_);
   const double age_s = Seconds(last_->t_capture - window_.keyframes.back().t_capture);
-  if (!in_doubt && !torn_.torn() &&
+  if (!in_doubt && !torn_.torn() && !OneImageIsOld() &&
       keyframe_policy_.Wants(window_, left, *found, motion_.imu_in_use(), age_s)) {
     AddKeyframe(frame, left, right, pose.T_world_left, *found);
     RefineWindow(&pose);

@@ -61,9 +61,16 @@ class VisualOdometry::Impl {
   // Whether the two cameras see what a pair sees: visual_odometry_pair.cpp.
   /// What the landmarks' places in both images say of it.
   void WatchPair(const PoseFinder::Found& found, const PoseEstimate& pose, double dt_s);
+  /// The right image is the one of the frame before, as it may be now and then where images get lost. A
+  /// camera that stays frozen is the dense comparison's matter: keyframes must go on.
+  bool OneImageIsOld() const {
+    constexpr int kLasts = 3;  // frames
+    return standing_.num_right_alone() > 0 && standing_.num_right_alone() <= kLasts;
+  }
   /// Then distances are wrong, and the pose is off by a share of the way.
   bool PairInDoubt() const {
-    return delay_.is_off() || torn_.torn() || columns_.is_off() || !pair_trouble_.reason.empty();
+    return delay_.is_off() || torn_.torn() || columns_.is_off() || OneImageIsOld() ||
+           !pair_trouble_.reason.empty();
   }
   /// Why; and what kind of reason that is.
   std::pair<std::string, ReasonCode> PairsTrouble() const;
@@ -93,6 +100,8 @@ class VisualOdometry::Impl {
   /// Why these images cannot be what the cameras see now; empty: they can. Both standing still is no fault of
   /// a robot that stands, or of a recording of one pair.
   std::string Frozen(const Motion& predicted);
+  /// What the camera has moved since cannot be seen in an image that was seen before.
+  static void AddUnseen(const Motion& predicted, PoseEstimate* pose);
   void RefuseImu(const std::string& why);
   /// What the sensor that has measured the motion says to what the images show. Who has contradicted until
   /// all was lost does so still.
@@ -142,7 +151,8 @@ class VisualOdometry::Impl {
   void AddKeyframe(const StereoFrame& frame, const ImagePyramid& left, const ImagePyramid& right,
                    const Eigen::Isometry3d& T_world_left, const PoseFinder::Found& found);
   /// A fresh prior, on the oldest keyframe of the window.
-  void StartWindow(const Matrix6d& pose_covariance, const ImuSigmas& imu = ImuSigmas::AtFirst());
+  /// @param imu  none: nothing is known of it but what it should be
+  void StartWindow(const Matrix6d& pose_covariance, const std::optional<ImuSigmas>& imu = std::nullopt);
   /// After a keyframe: all poses of the window together, then the oldest leaves.
   void RefineWindow(PoseEstimate* pose);
 
@@ -178,7 +188,8 @@ class VisualOdometry::Impl {
   Matrix6d squared_speed_ = Matrix6d::Zero();   ///< of the last tracked frames; left frame, per second
   Eigen::Vector3d start_world_ = Eigen::Vector3d::Zero();  ///< where this world began
   double typical_disparity_px_ = 1.0;                      ///< of the last tracked frame
-  bool frozen_ = false;                                    ///< both cameras, since their images stand
+  bool imu_contested_ = false;  ///< it and the images had excluded each other when this world began
+  bool frozen_ = false;         ///< both cameras, since their images stand
   int epoch_ = 0;
   int num_incredible_ = 0;      ///< readings that no sensor can have made
   int num_strange_frames_ = 0;  ///< in a row, with features enough but none of the window's

@@ -20,9 +20,12 @@ void VisualOdometry::Impl::AddKeyframe(const StereoFrame& frame, const ImagePyra
   keyframe_policy_.NoteMade(made.rests, made.covered_cells);
 }
 
-void VisualOdometry::Impl::StartWindow(const Matrix6d& pose_covariance, const ImuSigmas& imu) {
+void VisualOdometry::Impl::StartWindow(const Matrix6d& pose_covariance, const std::optional<ImuSigmas>& imu) {
+  // Biases far beyond what sensors have.
+  constexpr ImuSigmas kContested{1.0, 0.1, 3.0};
   optimizer_ = WindowOptimizer(camera_, motion_.imu_in_use() ? mounting_.T_left_imu : std::nullopt);
-  optimizer_.Start(window_.keyframes.front(), pose_covariance / kCorrelation, gravity().sigma_rad, imu);
+  optimizer_.Start(window_.keyframes.front(), pose_covariance / kCorrelation, gravity().sigma_rad,
+                   imu.value_or(imu_contested_ ? kContested : ImuSigmas::AtFirst()));
   keyframe_covariance_ = pose_covariance;
 }
 

@@ -60,6 +60,12 @@ std::pair<std::string, ReasonCode> VisualOdometry::Impl::PairsTrouble() const {
     return {
         "the images are torn: a part of them shows the moment before; look at the camera's driver and cable",
         ReasonCode::kInputTrouble};
+  if (OneImageIsOld())
+    return {
+        "the right image is the same as before, the left one is not: the two are not of one moment, images "
+        "of "
+        "the right camera get lost",
+        ReasonCode::kInputTrouble};
   if (columns_.is_off()) return {columns_.Reason(), ReasonCode::kBadCalibration};
   return {pair_trouble_.reason, pair_trouble_.code};
 }

@@ -36,10 +36,20 @@ std::string VisualOdometry::Impl::Frozen(const Motion& predicted) {
   if (standing_.left_alone()) return "the left camera gives the same image again and again: it is frozen";
   constexpr double kMoves_m = 0.01, kMoves_rad = 0.004;  // in a frame; more than a sensor at rest says
   const bool measured = witness_.proven() && (predicted.by_imu || predicted.by_legs);
-  const bool moves = measured && (predicted.T_last_left.translation().norm() > kMoves_m ||
-                                  LogRotation(predicted.T_last_left.linear()).norm() > kMoves_rad);
-  frozen_ = standing_.both() && (frozen_ || moves);
-  return frozen_ ? "both cameras give the same images again and again: they are frozen" : "";
+  const auto moves = [](const Eigen::Isometry3d& T) {
+    return T.translation().norm() > kMoves_m || LogRotation(T.linear()).norm() > kMoves_rad;
+  };
+  frozen_ = standing_.both() && (frozen_ || (measured && moves(predicted.T_last_left)));
+  // Who moves does not stop from one frame to the next; what stands for longer may have stopped, if nothing
+  // else measures that.
+  constexpr int kStops = 5;  // frames
+  const bool too_soon = standing_.both() && standing_.num_both() <= kStops && moves(last_->T_prev_left);
+  return frozen_ || too_soon ? "both cameras give the same images again and again: they are frozen" : "";
+}
+
+void VisualOdometry::Impl::AddUnseen(const Motion& predicted, PoseEstimate* pose) {
+  const Vector6d unseen = StepBetween(Eigen::Isometry3d::Identity(), predicted.T_last_left);
+  pose->covariance += unseen * unseen.transpose();
 }
 
 void VisualOdometry::Impl::RefuseImu(const std::string& why) {

@@ -13,6 +13,8 @@ PoseEstimate VisualOdometry::Impl::Start(const StereoFrame& frame, const ImagePy
   const WorldFrame world = LayWorld(frame, left, right, samples);
   if (!world.warning.empty() && warnings_.empty()) warnings_.push_back(world.warning);
   gravity_.Start(world.gravity, world.without_imu, DownIfLevel(world.T_world_left));
+  constexpr double kUp_rad = 0.3;  // an accelerometer that is off by 3 m/s^2
+  if (imu_contested_ && world.gravity.source == GravitySource::kImu) gravity_.Doubt(kUp_rad);
   if (mounting_.T_left_imu)
     imu_check_ = ImuCheck(-((world.T_world_left.linear() * mounting_.T_left_imu->linear()).transpose() *
                             world.without_imu.down_world));
@@ -66,6 +68,7 @@ Eigen::Vector3d VisualOdometry::Impl::DownIfLevel(const Eigen::Isometry3d& T_wor
 PoseEstimate VisualOdometry::Impl::BeginAnew(const StereoFrame& frame, const ImagePyramid& left,
                                              const ImagePyramid& right, const SensorSamples& samples) {
   ++epoch_;
+  imu_contested_ = motion_.imu_in_use() && !contested_.isZero();
   const KeyframeState biases = window_.keyframes.back();
   window_ = {};
   archive_ = KeyframeArchive(camera_, config_.archived_keyframes);

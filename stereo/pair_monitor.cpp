@@ -193,7 +193,7 @@ PairHealth PairMonitor::Check(const StereoFrame& frame, const DisparityImage& di
   const bool different =
       both_show && health.row_offsets.num_places == 0 && health.known_share < kDifferentKnown;
   health.different = different_.Update(different);
-  constexpr int kStands = 2, kStandsLong = 10;  // frames
+  constexpr int kStands = 1, kStandsLong = 10;  // frames
   // A blank image is the same again and again, too, and that it is blank says more.
   const bool any_blank = health.left_blank || health.right_blank;
   health.left_stands = num_same_left_ >= kStands && num_same_right_ == 0 && !any_blank;

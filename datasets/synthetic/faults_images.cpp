@@ -2,6 +2,7 @@
 // Faults of what both images show, and of their files.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/file_bytes.h"
 #include "datasets/image_file.h"
@@ -97,6 +98,29 @@ void Freeze(FaultyRecording& r, const FaultSpan& span, bool left, bool right) {
   }
 }
 
+/// Every so many images, from the second on, both are those of the moment before, under a new time stamp.
+void Repeat(FaultyRecording& r, const FaultSpan&, double every) {
+  const auto step = std::max<std::size_t>(static_cast<std::size_t>(every), 2);
+  for (std::size_t i = step - 1; i < r.left.size(); i += step) {
+    r.left[i].source = r.left[i - 1].source;
+    r.right[i].source = r.right[i - 1].source;
+  }
+}
+
+/// Dirt on the middle of a lens, so wide that it covers a share of the image: grey, and sharp nowhere.
+void Soil(GrayImage& image, double share, std::uint32_t) {
+  const double cx = 0.5 * image.width, cy = 0.5 * image.height;
+  const double radius = std::sqrt(share * image.width * image.height / std::numbers::pi);
+  for (int v = 0; v < image.height; ++v)
+    for (int u = 0; u < image.width; ++u) {
+      const double out = std::hypot(u - cx, v - cy) / radius;
+      const double through = std::clamp(4.0 * (out - 0.9), 0.0, 1.0);
+      std::uint8_t& grey = image.data[static_cast<std::size_t>(v) * static_cast<std::size_t>(image.width) +
+                                      static_cast<std::size_t>(u)];
+      grey = Grey(through * grey + (1.0 - through) * 90.0);
+    }
+}
+
 using EditBytes = std::function<std::vector<std::uint8_t>(std::vector<std::uint8_t> bytes)>;
 
 /// The files of both images, while the fault lasts.
@@ -140,6 +164,22 @@ std::vector<Fault> ImageFaults() {
          const double gain = 1.0 + share * (2.0 * Unit(seed) - 1.0);
          for (std::uint8_t& grey : m.data) grey = Grey(gain * grey);
        })},
+      {"black_flashes", "every so many images both are black", 4,
+       [](FaultyRecording& r, const FaultSpan&, double every) {
+         const auto step = std::max<std::size_t>(static_cast<std::size_t>(every), 2);
+         for (std::size_t i = step - 1; i < r.left.size(); i += step)
+           Fill(r.left[i].Edit(), 0), Fill(r.right[i].Edit(), 0);
+       }},
+      {"repeated", "every so many images both are those of the moment before", 3, Repeat},
+      {"dirty_left", "dirt covers this share of the left lens", 0.3,
+       [](FaultyRecording& r, const FaultSpan&, double share) {
+         for (RecordedImage& image : r.left) Soil(image.Edit(), share, 0);
+       }},
+      {"dirty", "dirt covers this share of both lenses", 0.3,
+       [](FaultyRecording& r, const FaultSpan&, double share) {
+         for (auto* images : {&r.left, &r.right})
+           for (RecordedImage& image : *images) Soil(image.Edit(), share, 0);
+       }},
       {"defocus", "both images are blurred over so many pixels to either side", 6,
        Meanwhile([](GrayImage& m, double radius, std::uint32_t) { Blur(m, static_cast<int>(radius)); })},
       {"noise", "noise of so many grey values", 25,

@@ -106,6 +106,28 @@ auto Late(Side side) {
   };
 }
 
+/// Every so many images, the one of one camera is the one before.
+auto LateNowAndThen(Side side) {
+  return [=](FaultyRecording& r, const FaultSpan&, double every) {
+    Images& all = r.*side;
+    const auto step = std::max<std::size_t>(static_cast<std::size_t>(every), 2);
+    for (std::size_t i = step - 1; i < all.size(); i += step) all[i].source = all[i - 1].source;
+  };
+}
+
+/// About the axis that points down: what is looked at moves sideways, the further out the more.
+void Yaw(GrayImage& image, double angle_deg, std::uint32_t) {
+  const double t = std::tan(angle_deg * std::numbers::pi / 180.0), f = 0.7 * image.width;
+  Warp(image, [=](double x, double y) {
+    const double w = 1.0 - t * x / f;
+    return std::pair{(x + t * f) / w, y / w};
+  });
+}
+
+void ExchangeMidway(FaultyRecording& r, const FaultSpan& span, double) {
+  for (std::size_t i = span.begin; i < r.left.size(); ++i) std::swap(r.left[i].source, r.right[i].source);
+}
+
 void Exchange(FaultyRecording& r, const FaultSpan&, double) {
   for (std::size_t i = 0; i < r.left.size(); ++i) std::swap(r.left[i].source, r.right[i].source);
 }
@@ -131,6 +153,20 @@ std::vector<Fault> PairFaults() {
       {"cameras_exchanged", "left is right, and right is left", 1, Exchange},
       {"right_late", "the right image is so many images late", 1, Late(kRight)},
       {"left_late", "the left image is so many images late", 1, Late(kLeft)},
+      {"exchanged_midway", "left becomes right, and right left", 1, ExchangeMidway},
+      {"right_late_at_times", "every so many images the right one is an image late", 3,
+       LateNowAndThen(kRight)},
+      {"left_late_at_times", "every so many images the left one is an image late", 3, LateNowAndThen(kLeft)},
+      {"right_yawed", "the right camera is yawed by so many degrees", 0.3, RightAlways(Yaw)},
+      {"both_zoomed", "both images are so many percent too large", 3,
+       [](FaultyRecording& r, const FaultSpan&, double percent) {
+         for (auto* images : {&r.left, &r.right})
+           for (RecordedImage& image : *images) Zoom(image.Edit(), percent, 0);
+       }},
+      {"right_flicker", "the brightness of the right image changes by up to this share", 0.5,
+       RightAlways([](GrayImage& image, double share, std::uint32_t seed) {
+         Brighten(image, 1.0 + share * (2.0 * Unit(Hash(seed)) - 1.0), seed);
+       })},
       {"rows_off", "the right image is so many rows too low", 1.25, RightAlways(Lower)},
       {"right_rolled", "the right camera is rolled by so many degrees", 0.4, RightAlways(Roll)},
       {"right_zoomed", "the right image is so many percent too large", 1, RightAlways(Zoom)},

@@ -120,6 +120,42 @@ std::vector<Fault> ImuFaults() {
        FromThen([](ImuSample& s, double a) { s.accel.x() += a; })},
       {"imu_gyro_bias", "the gyroscope's bias jumps by so many rad/s", 0.3,
        FromThen([](ImuSample& s, double w) { s.gyro.z() += w; })},
+      {"imu_tilted", "the IMU is mounted so many degrees otherwise than the calibration says", 5,
+       Always([](ImuSample& s, double angle_deg) {
+         const Eigen::AngleAxisd turn(angle_deg * std::numbers::pi / 180.0,
+                                      Eigen::Vector3d(1.0, 1.0, 1.0).normalized());
+         s.gyro = turn * s.gyro, s.accel = turn * s.accel;
+       })},
+      {"imu_gyro_scaled", "the gyroscope shows so many times the turn", 1.2,
+       Always([](ImuSample& s, double factor) { s.gyro *= factor; })},
+      {"imu_accel_scaled", "the accelerometer shows so many times what it should", 1.1,
+       Always([](ImuSample& s, double factor) { s.accel *= factor; })},
+      {"imu_clock_drifts", "the IMU's clock gains so many milliseconds a second", 20,
+       [](FaultyRecording& r, const FaultSpan&, double ms) {
+         MustHave(!r.imu.empty(), r, "IMU");
+         const Timestamp first = r.imu.front().t;
+         for (ImuSample& s : r.imu) s.t = s.t + Milliseconds(ms * Seconds(s.t - first));
+       }},
+      {"imu_clock_jumps", "the IMU's clock is set forward by so many milliseconds", 100,
+       [](FaultyRecording& r, const FaultSpan& span, double ms) {
+         MustHave(!r.imu.empty(), r, "IMU");
+         for (ImuSample& s : r.imu)
+           if (s.t >= span.t_begin) s.t = s.t + Milliseconds(ms);
+       }},
+      {"imu_sparse", "this share of the IMU's samples does not arrive", 0.5,
+       [](FaultyRecording& r, const FaultSpan&, double share) {
+         MustHave(!r.imu.empty(), r, "IMU");
+         Random random(13);
+         std::erase_if(r.imu, [&](const ImuSample&) { return random.Uniform(0.0, 1.0) < share; });
+       }},
+      {"imu_noisy", "the accelerometer jitters by so many m/s^2, the gyroscope by a tenth of it in rad/s", 2,
+       [](FaultyRecording& r, const FaultSpan&, double sigma) {
+         MustHave(!r.imu.empty(), r, "IMU");
+         Random random(17);
+         for (ImuSample& s : r.imu)
+           for (int i = 0; i < 3; ++i)
+             s.accel[i] += sigma * random.Gaussian(), s.gyro[i] += 0.1 * sigma * random.Gaussian();
+       }},
       {"imu_clipped", "the accelerometer cannot show more than so many m/s^2", 9,
        Always([](ImuSample& s, double a) { s.accel = s.accel.cwiseMax(-a).cwiseMin(a); })},
       {"imu_frozen", "the IMU says the same again and again", 1, FreezeImu},
@@ -148,6 +184,26 @@ std::vector<Fault> PriorFaults() {
        Legs(Later, [](RecordedPrior& p, double m) { p.values[0] += m; })},
       {"legs_in_mm", "leg odometry is in millimetres", 1000,
        Legs(Ever, [](RecordedPrior& p, double factor) { ScalePosition(p, factor); })},
+      {"legs_late", "the time stamps of leg odometry are so many milliseconds late", 200,
+       [](FaultyRecording& r, const FaultSpan&, double ms) {
+         MustHave(!r.legs.empty(), r, "leg odometry");
+         for (RecordedPrior& p : r.legs) p.t = p.t + Milliseconds(ms);
+       }},
+      {"legs_in_cm", "leg odometry is in centimetres", 100,
+       Legs(Ever, [](RecordedPrior& p, double factor) { ScalePosition(p, factor); })},
+      {"legs_backwards", "leg odometry goes backwards where the body goes ahead", 1,
+       Legs(Ever, [](RecordedPrior& p, double) { p.values[0] *= -1, p.values[1] *= -1; })},
+      {"attitude_late", "the time stamps of the body attitude are so many milliseconds late", 200,
+       [](FaultyRecording& r, const FaultSpan&, double ms) {
+         MustHave(!r.attitude.empty(), r, "body attitude");
+         for (RecordedPrior& p : r.attitude) p.t = p.t + Milliseconds(ms);
+       }},
+      {"attitude_drifts", "roll of the body attitude drifts by so many degrees a second", 1,
+       [](FaultyRecording& r, const FaultSpan&, double deg_s) {
+         MustHave(!r.attitude.empty(), r, "body attitude");
+         const Timestamp first = r.attitude.front().t;
+         for (RecordedPrior& p : r.attitude) Tilt(p, deg_s * Seconds(p.t - first));
+       }},
       {"legs_scaled", "leg odometry goes so many times too far", 2,
        Legs(Ever, [](RecordedPrior& p, double factor) { ScalePosition(p, factor); })},
       {"legs_frozen", "leg odometry stands still", 1,

@@ -24,7 +24,8 @@ TEST(StandingImagesTest, TellsOneCameraThatStandsFromBoth) {
   EXPECT_TRUE(standing.left_alone());
   EXPECT_FALSE(standing.both());
   standing.See(next);
-  EXPECT_FALSE(standing.left_alone() || standing.both()) << "the right one alone is the matcher's matter";
+  EXPECT_FALSE(standing.left_alone() || standing.both());
+  EXPECT_EQ(standing.num_right_alone(), 1);
 }
 
 TEST(StandingImagesTest, BridgesByTheImuWhileCamerasThatWalkGiveTheSameImages) {
@@ -42,6 +43,28 @@ TEST(StandingImagesTest, BridgesByTheImuWhileCamerasThatWalkGiveTheSameImages) {
     if (!frozen) {
       EXPECT_LT(ErrorMm(first, pose, i), 20.0) << "frame " << i;
     }
+  }
+}
+
+TEST(StandingImagesTest, ACameraThatWalksDoesNotStopWhereBothImagesAreRepeatedNowAndThen) {
+  VisualOdometry odometry({}, kCamera, {});
+  for (int i = 0; i < 24; ++i) {
+    const bool repeated = i > 12 && i % 3 == 0;
+    const StereoFrame frame = World().Frame(i, Walk(repeated ? i - 1 : i));
+    const PoseEstimate pose = odometry.Track(frame, {});
+    EXPECT_EQ(pose.status, repeated ? TrackingStatus::kBridging : TrackingStatus::kTracking) << "frame " << i;
+  }
+}
+
+TEST(StandingImagesTest, DoubtsAFrameWhoseRightImageAloneIsTheOneBefore) {
+  VisualOdometry odometry({}, kCamera, {});
+  for (int i = 0; i < 20; ++i) {
+    const bool old = i > 9 && i % 3 == 0;
+    StereoFrame frame = World().Frame(i, Walk(i));
+    if (old) frame.right = World().Frame(i - 1, Walk(i - 1)).right;
+    const PoseEstimate pose = odometry.Track(frame, {});
+    EXPECT_EQ(pose.reason.find("right camera get lost") != std::string::npos, old) << "frame " << i;
+    EXPECT_FALSE(old && pose.trusted) << "frame " << i;
   }
 }
 
