@@ -19,7 +19,7 @@ constexpr double kFairShare = 0.3;
 /// break and join again, several have lain in one place.
 constexpr double kAsGood = 0.5;
 /// Points along each side of a box, by which areas are compared.
-constexpr int kSamples = 12;
+constexpr int kSamplesAlong = 12;
 
 Eigen::AlignedBox3d BoxAround(const Polygon& polygon) {
   Eigen::AlignedBox3d box;
@@ -93,10 +93,10 @@ std::optional<SleepingIds::Past> SleepingIds::Wake(const Polygon& polygon) {
 double SleepingIds::AreaInCommon(const Sleeper& sleeper, const Ring2& outline) {
   const Eigen::AlignedBox2d box = BoxAround(sleeper.outline).intersection(BoxAround(outline));
   if (box.isEmpty()) return 0.0;
-  const Eigen::Vector2d step = box.sizes() / kSamples;
+  const Eigen::Vector2d step = box.sizes() / kSamplesAlong;
   int num = 0;
-  for (int y = 0; y < kSamples; ++y) {
-    for (int x = 0; x < kSamples; ++x) {
+  for (int y = 0; y < kSamplesAlong; ++y) {
+    for (int x = 0; x < kSamplesAlong; ++x) {
       const Eigen::Vector2d p = box.min() + step.cwiseProduct(Eigen::Vector2d(x + 0.5, y + 0.5));
       num += Contains(sleeper.outline, p) && Contains(outline, p);
     }
